@@ -1,0 +1,1 @@
+"""Golden values, numbered sets that other implementations are certified against."""

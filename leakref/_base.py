@@ -1,0 +1,55 @@
+"""What every room may lean on: the array type and the one kind of refusal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+__all__ = ["ComplexArray", "FloatArray", "IntArray", "LeakrefError", "finite", "positive"]
+
+FloatArray = npt.NDArray[np.floating[Any]]
+ComplexArray = npt.NDArray[np.complex128]
+IntArray = npt.NDArray[np.int64]
+
+
+class LeakrefError(ValueError):
+    """An input was refused. The message names the call, the fault and the remedy."""
+
+    def __init__(self, call: str, fault: str, remedy: str) -> None:
+        super().__init__(f"{call}: {fault}; {remedy}.")
+        self.call, self.fault, self.remedy = call, fault, remedy
+
+    def __reduce__(self) -> tuple[Any, ...]:  # so that it survives the way back from a worker
+        return type(self), (self.call, self.fault, self.remedy)
+
+
+def finite(call: str, name: str, value: npt.ArrayLike, ndim: int | None = None) -> FloatArray:
+    """`value` as finite float64 of `ndim` dimensions, or a LeakrefError that says what is wrong."""
+    try:
+        raw = np.asarray(value)
+        if raw.dtype.kind == "c":
+            raise LeakrefError(call, f"{name} is complex", "pass real numbers")
+        array = np.asarray(raw, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        if isinstance(error, LeakrefError):
+            raise
+        raise LeakrefError(call, f"{name} is not numeric ({error})", "pass real numbers") from None
+    if ndim is not None and array.ndim != ndim:
+        raise LeakrefError(call, f"{name} has shape {array.shape}, {array.ndim} dimensions",
+                           f"pass an array of {ndim} dimension{'s' * (ndim != 1)}")
+    # a sum is finite only if every sample is (or it overflows): one pass, no mask of the whole cube
+    if not np.isfinite(array.sum()) and not (good := np.isfinite(array)).all():
+        bad = int(array.size - good.sum())
+        raise LeakrefError(call, f"{name} holds {bad} of {array.size} values that are not finite",
+                           "remove or fill NaN and infinity first")
+    return array
+
+
+def positive(call: str, **values: float | Iterable[float]) -> None:
+    """Refuse any named number (or sequence of numbers) that is not finite and above zero."""
+    for name, value in values.items():
+        if np.any(finite(call, name, np.asarray(value)) <= 0):
+            raise LeakrefError(call, f"{name} = {value} is not positive", f"give {name} > 0")

@@ -1,0 +1,112 @@
+"""The chain from samples to velocities in one call, and the interface that any implementation offers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from leakref import leakage, leastsquares, nsp
+from leakref._base import ComplexArray, FloatArray, LeakrefError, finite
+from leakref.grid import Grid
+from leakref.sea import Components
+from leakref.shell import Extraction
+from leakref.spectrum import Spectrum, fourier
+from leakref.synthesis import synthesize
+from leakref.window import WINDOWS, window
+
+__all__ = ["METHODS", "Implementation", "Reference", "analyse", "extract", "reference", "shell_wavenumbers",
+           "transform"]
+
+METHODS: dict[str, Callable[..., Extraction]] = {"nsp": nsp.extract, "ls": leastsquares.extract}
+"""The two extractions by name."""
+
+
+def shell_wavenumbers(grid: Grid, smallest: float = 0.4, largest: float = 3.5) -> FloatArray:
+    """k_i = i dk with `smallest` <= k_i <= `largest` (decision D9): overlapping shells, one a bin, (n,)."""
+    dk = grid.wavenumber_resolution
+    first, last = int(np.ceil(smallest / dk - 1e-9)), int(np.floor(largest / dk + 1e-9))
+    return np.arange(first, last + 1) * dk
+
+
+def analyse(spectrum: Spectrum, wavenumbers: npt.ArrayLike, *, gravity: float = 1.0, method: str = "nsp",
+            **settings: Any) -> Extraction:
+    """Velocities from a spectrum by `method` "nsp" or "ls", with `settings` of that method. Raises LeakrefError."""
+    if method not in METHODS:
+        raise LeakrefError("analyse", f"no method named {method!r}", f"choose one of {', '.join(METHODS)}")
+    if method != "nsp":
+        settings = {name: value for name, value in settings.items() if name not in ("peak_wavenumber", "search")}
+    return METHODS[method](spectrum, wavenumbers, gravity=gravity, **settings)
+
+
+def extract(surface: npt.ArrayLike, spacing: tuple[float, float, float], wavenumbers: npt.ArrayLike, *,
+            gravity: float = 1.0, window: str = "hann", method: str = "nsp", **settings: Any) -> Extraction:
+    """From a surface eta[x, y, t] sampled at `spacing` (dx, dy, dt) to velocities at `wavenumbers` (n,).
+
+    Angular units throughout: wavenumbers in rad per unit of length, velocities in its units of length and
+    time, `gravity` likewise (1 for scaled units). Raises LeakrefError.
+    """
+    eta = finite("extract", "surface", surface, 3)
+    return analyse(fourier(eta, Grid(eta.shape, spacing), window), wavenumbers, gravity=gravity, method=method,
+                   **settings)
+
+
+def transform(components: Components, grid: Grid, windows: tuple[str, ...], *, route: str = "A",
+              largest_wavenumber: float | None = None) -> list[Spectrum]:
+    """The spectra of a sea under several windows: by its surface and the FFT (route A), or in closed form (B)."""
+    if route not in ("A", "B"):
+        raise LeakrefError("transform", f"no route named {route!r}", "choose A (surface and FFT) or B (closed form)")
+    if route == "B":
+        return [leakage.spectrum(components, grid, name, largest_wavenumber=largest_wavenumber) for name in windows]
+    eta = synthesize(components, *(grid.samples(axis) for axis in range(3)))
+    return [fourier(eta, grid, name) for name in windows]
+
+
+class Implementation(Protocol):
+    """What can be judged: any subset of these methods (CONTRACT.md, protocol 1). A bare function is `extract`."""
+
+    def describe(self) -> Mapping[str, object]: ...
+    def window(self, name: str, size: int) -> FloatArray: ...
+    def synthesize(self, components: Components, x: FloatArray, y: FloatArray, t: FloatArray) -> FloatArray: ...
+    def spectrum(self, surface: FloatArray, spacing: tuple[float, float, float], *, window: str) -> ComplexArray: ...
+    def extract(self, surface: FloatArray, spacing: tuple[float, float, float], wavenumbers: FloatArray, *,
+                gravity: float, window: str, method: str) -> FloatArray: ...
+
+
+class Reference:
+    """The reference chain as an Implementation."""
+
+    def describe(self) -> Mapping[str, object]:
+        """The fields of "ready" in CONTRACT.md."""
+        from leakref import __version__
+
+        windows = list(WINDOWS)
+        can = {"extract": {"methods": list(METHODS), "windows": windows, "resolves": "wavenumber"},
+               "spectrum": {"windows": windows}, "window": {"names": windows}, "synthesize": {}}
+        return {"name": "leakref", "version": __version__, "units": "scaled", "axes": "xyt", "y": "up",
+                "direction": "to", "fixed": [], "can": can}
+
+    def window(self, name: str, size: int) -> FloatArray:
+        """Samples of a window, (size,)."""
+        return window(name).samples(size)
+
+    def synthesize(self, components: Components, x: FloatArray, y: FloatArray, t: FloatArray) -> FloatArray:
+        """The surface, (nx, ny, nt)."""
+        return synthesize(components, x, y, t)
+
+    def spectrum(self, surface: FloatArray, spacing: tuple[float, float, float], *,
+                 window: str = "hann") -> ComplexArray:
+        """The whole spectrum, (nx, ny, nt), in fftfreq order."""
+        eta = finite("spectrum", "surface", surface, 3)
+        return fourier(eta, Grid(eta.shape, spacing), window).whole()
+
+    def extract(self, surface: FloatArray, spacing: tuple[float, float, float], wavenumbers: FloatArray, *,
+                gravity: float = 1.0, window: str = "hann", method: str = "nsp") -> FloatArray:
+        """Velocities, (n, 2), NaN where there is none."""
+        return extract(surface, spacing, wavenumbers, gravity=gravity, window=window, method=method).velocities
+
+
+reference = Reference()
+"""The built-in implementation, `leakref.chain.reference`."""

@@ -1,0 +1,190 @@
+"""The normalized scalar product: the current whose dispersion surface overlaps best with the spectrum."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+from scipy.ndimage import maximum_filter
+from scipy.optimize import minimize
+
+from leakref._base import FloatArray, positive
+from leakref.shell import (HALF_WIDTH, Extraction, Note, Optimum, Shell, checked_wavenumbers, collect, nothing, shell_at,
+                           velocity_unit)
+from leakref.spectrum import Spectrum
+
+__all__ = ["START", "WIDTH", "characteristic_function", "extract", "normalized_scalar_product", "optimum",
+           "score_derivatives"]
+
+WIDTH = 4.0
+"""a of eq:DSVkernel in domega (sec:parameters)."""
+START = 2.5e-4
+"""Side of Nelder-Mead's first simplex in c0: SciPy's default for a start at zero (decision D6)."""
+_REACH = 1.2  # in c0: other basins are looked for up to here
+_SOFT = 0.05  # c0^2 times curvature over N: below, the optimum is flat
+_FEW = 8
+
+
+def _centres(shell: Shell, velocity: npt.ArrayLike) -> tuple[FloatArray, FloatArray]:
+    """Where the two branches of the dispersion surface cross each column, (n,) each.
+
+    eq:SnJ, and the mirror image of it in which a real signal appears: -omega_DR(-k) = k.c - omega0 (decision
+    D2; as printed the second is -omega_DR(k), which no real signal has).
+    """
+    u, v = np.asarray(velocity, dtype=np.float64)
+    shift = shell.kx * u + shell.ky * v
+    return shell.intrinsic + shift, -shell.intrinsic + shift
+
+
+def characteristic_function(shell: Shell, velocity: npt.ArrayLike, width: float) -> FloatArray:
+    """G of eq:DSVkernel on the bins of the shell, (n, nw); `width` is a, in rad per unit time."""
+    positive_branch, negative_branch = (np.exp(-2 * ((shell.omega - centre[:, None]) / width) ** 2)
+                                        for centre in _centres(shell, velocity))
+    return positive_branch + negative_branch
+
+
+def normalized_scalar_product(shell: Shell, velocity: npt.ArrayLike, width: float) -> float:
+    """N of eq:normSp with means over the bins, so that it has no scale (decisions D6, D18)."""
+    g = characteristic_function(shell, velocity, width)
+    norm = shell.kx.size * shell.weight.sum() / np.sum(shell.magnitude @ shell.weight)
+    return float(np.sum((g * shell.magnitude) @ shell.weight) / np.sum(g @ shell.weight) * norm)
+
+
+def score_derivatives(shell: Shell, velocity: npt.ArrayLike, width: float) -> tuple[float, FloatArray, FloatArray]:
+    """N, its gradient (2,) and its Hessian (2, 2) with respect to the velocity.
+
+    The velocity only moves the centres of the Gaussians, by k.c: with z = (omega - centre) / a,
+    dG/dc = 4 z / a G k and d2G/dc2 = (16 z^2 - 4) / a^2 G k k^T.
+    """
+    k = np.stack([shell.kx, shell.ky])
+    top, bottom = np.zeros((3, k.shape[1])), np.zeros((3, k.shape[1]))  # sums over omega: 0th, 1st, 2nd derivative
+    for centre in _centres(shell, velocity):
+        z = (shell.omega - centre[:, None]) / width
+        g = np.exp(-2 * z**2) * shell.weight
+        for order, factor in enumerate((1.0, 4 * z / width, (16 * z**2 - 4) / width**2)):
+            term = factor * g
+            top[order] += np.einsum("nw,nw->n", term, shell.magnitude)
+            bottom[order] += term.sum(axis=1)
+    norm = k.shape[1] * shell.weight.sum() / np.sum(shell.magnitude @ shell.weight)
+    (a, da, dda), (b, db, ddb) = ((s[0].sum(), k @ s[1], (k * s[2]) @ k.T) for s in (top, bottom))
+    n = a / b * norm
+    slope = da / a - db / b  # of log N
+    bend = dda / a - np.outer(da, da) / a**2 - ddb / b + np.outer(db, db) / b**2
+    return float(n), n * slope, n * (bend + np.outer(slope, slope))
+
+
+def _ascend(shell: Shell, velocity: FloatArray, width: float, unit: float) -> tuple[FloatArray, int, bool]:
+    """Newton's method to where the gradient vanishes: velocity, evaluations, and whether it got there.
+
+    Steps go uphill in each principal direction of the Hessian, at most a quarter of the width, and not at all
+    where the score does not depend on the velocity (one wave, box window).
+    """
+    for count in range(1, 60):
+        _, gradient, hessian = score_derivatives(shell, velocity, width)
+        curvature, axes = np.linalg.eigh(hessian)
+        stiff = np.abs(curvature) > 1e-9 * np.abs(curvature).max(initial=0.0)
+        step = axes[:, stiff] @ ((axes.T @ gradient)[stiff] / np.abs(curvature[stiff]))
+        length = float(np.hypot(*step))
+        if not np.isfinite(length):
+            break
+        velocity = velocity + step * min(1.0, width / (4 * shell.wavenumber * max(length, 1e-300)))
+        if length < 1e-13 * unit or (count > 20 and length < 1e-11 * unit):
+            return velocity, count, bool(curvature.max() <= 1e-9 * np.abs(curvature).max())
+    return velocity, count, False
+
+
+def _reach(shell: Shell, width: float, unit: float) -> float:
+    """The largest |c| at which the score still means something: past it G leaves the Nyquist range."""
+    k = shell.wavenumber
+    return min(_REACH * unit, float(shell.omega[-1] - np.sqrt(shell.intrinsic.min() * shell.intrinsic.max())
+                                    - 3 * width) / k)
+
+
+def _scores(shell: Shell, velocities: FloatArray, width: float) -> FloatArray:
+    """N, up to a factor, at many velocities (n, 2) at once, to about a percent: good enough to look for basins.
+
+    A column's part of the products depends on the velocity only through the centre of its Gaussian, so both
+    products are tabulated over the centre, an eighth of the width apart, and read off.
+    """
+    step = width / 8
+    offset = shell.omega[-1] + 5 * width
+    centres = np.arange(-offset, offset + step, step)
+    g = np.exp(-2 * ((shell.omega[:, None] - centres) / width) ** 2) * shell.weight[:, None]
+    top, bottom = shell.magnitude @ g, g.sum(axis=0)
+    column = np.arange(shell.kx.size)
+    result = np.empty(len(velocities))
+    for start in range(0, len(velocities), 256):
+        c = velocities[start : start + 256]
+        shift = np.outer(c[:, 0], shell.kx) + np.outer(c[:, 1], shell.ky)
+        a, b = np.zeros(len(c)), np.zeros(len(c))
+        for branch in (shell.intrinsic, -shell.intrinsic):
+            near = np.clip(np.rint((shift + branch + offset) / step).astype(np.intp), 0, centres.size - 1)
+            a += top[column, near].sum(axis=1)
+            b += bottom[near].sum(axis=1)
+        result[start : start + 256] = a / b
+    return result
+
+
+def _another_basin(shell: Shell, found: FloatArray, score: float, width: float, unit: float) -> bool:
+    """Whether some other maximum within reach scores higher: a search on a lattice of half widths, then Newton."""
+    reach = _reach(shell, width, unit)
+    if reach <= 0:
+        return False
+    spacing = width / (2 * shell.wavenumber)
+    m = int(np.ceil(reach / spacing))
+    lattice = np.moveaxis(np.mgrid[-m : m + 1, -m : m + 1], 0, -1) * spacing
+    inside = np.hypot(lattice[..., 0], lattice[..., 1]) <= reach
+    scores = np.full(inside.shape, -np.inf)
+    scores[inside] = _scores(shell, lattice[inside], width)
+    own = _scores(shell, found[None, :], width)[0]
+    peaks = (scores == maximum_filter(scores, 3)) & (scores > 0.85 * own)
+    peaks &= np.hypot(*np.moveaxis(lattice - found, -1, 0)) > spacing
+    for index in np.argwhere(peaks)[np.argsort(-scores[peaks], kind="stable")][:6]:
+        other, _, arrived = _ascend(shell, lattice[tuple(index)], width, unit)
+        if (arrived and np.hypot(*other) <= reach
+                and normalized_scalar_product(shell, other, width) > score * (1 + 1e-9)):
+            return True
+    return False
+
+
+def optimum(shell: Shell, width: float, unit: float, *, search: bool = True) -> Optimum:
+    """The maximum of N that Nelder-Mead reaches from rest, polished until the gradient vanishes (decision D6).
+
+    `width` is a, `unit` is c0. With `search`, other basins are looked for (Note.ANOTHER_BASIN).
+    """
+    if shell.is_empty:
+        return nothing(Note.NO_SIGNAL)
+    simplex = np.array([[0.0, 0.0], [START, 0.0], [0.0, START]])
+    fit = minimize(lambda c: -normalized_scalar_product(shell, c * unit, width), simplex[0], method="Nelder-Mead",
+                   options={"initial_simplex": simplex, "xatol": 1e-8, "fatol": np.inf, "maxfev": 5000,
+                            "maxiter": 5000})
+    velocity, steps, arrived = _ascend(shell, fit.x * unit, width, unit)
+    evaluations = int(fit.nfev) + steps
+    if not arrived:
+        return *nothing(Note.UNCONVERGED)[:4], evaluations, Note.UNCONVERGED
+    score, gradient, hessian = score_derivatives(shell, velocity, width)
+    near = np.any([np.abs(shell.omega - centre[:, None]) <= width for centre in _centres(shell, velocity)], axis=0)
+    note = shell.notes(near)
+    if shell.kx.size < _FEW:
+        note |= Note.TOO_FEW_BINS
+    if np.linalg.eigvalsh(-hessian)[0] * unit**2 < _SOFT * score:
+        note |= Note.FLAT
+    if np.hypot(*velocity) > _reach(shell, width, unit):
+        note |= Note.EDGE
+    if search and _another_basin(shell, velocity, score, width, unit):
+        note |= Note.ANOTHER_BASIN
+    return velocity, score, gradient, hessian, evaluations, note
+
+
+def extract(spectrum: Spectrum, wavenumbers: npt.ArrayLike, *, gravity: float = 1.0,
+            peak_wavenumber: float | None = None, width: float = WIDTH, half_width: float = HALF_WIDTH,
+            search: bool = True) -> Extraction:
+    """Doppler shift velocities by the normalized scalar product (sec:NSP), one for each wavenumber (n,).
+
+    `width` a in domega, `half_width` of a shell in dk; `peak_wavenumber` k0 sets the unit of the search (see
+    `velocity_unit`). Shells are taken one at a time, so memory does not grow with their number. Raises LeakrefError.
+    """
+    k = checked_wavenumbers(wavenumbers)
+    positive("nsp.extract", gravity=gravity, width=width, half_width=half_width)
+    a = width * spectrum.grid.frequency_resolution
+    return collect("nsp", k, [optimum(shell_at(spectrum, k_i, gravity=gravity, half_width=half_width), a,
+                                      velocity_unit(k_i, gravity, peak_wavenumber), search=search) for k_i in k])

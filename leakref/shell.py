@@ -1,0 +1,163 @@
+"""The bins around one wavenumber, and what an extraction from them reports."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Flag
+
+import numpy as np
+import numpy.typing as npt
+
+from leakref._base import FloatArray, IntArray, LeakrefError, finite, positive
+from leakref.dispersion import intrinsic_frequency, phase_velocity
+from leakref.spectrum import Spectrum
+from leakref.window import window
+
+__all__ = ["EDGE_MARGIN", "HALF_WIDTH", "Extraction", "Note", "Shell", "checked_wavenumbers", "collect",
+           "shell_at", "velocity_unit"]
+
+HALF_WIDTH = 2.0
+"""Half width of a shell in dk (app:numdetails)."""
+EDGE_MARGIN = 1e-9
+"""In dk: a bin on the edge is inside, and no rounding decides about it (decision D3)."""
+_ROUNDING = 1e-12  # of the spectrum's largest bin: below, a shell holds nothing but rounding
+
+
+class Note(Flag):
+    """What to know before using a number. Several may hold at once."""
+
+    NONE = 0
+    ANOTHER_BASIN = 1
+    "nsp: some other current within reach scores higher than the one that Nelder-Mead found"
+    EDGE = 2
+    "nsp: the optimum is faster than the search that judges it reaches, or leaves the Nyquist range"
+    TOO_FEW_BINS = 4
+    "nsp: fewer than 8 bins in the plane; ls: fewer than 2 bins above the threshold, and no number"
+    FLAT = 8
+    "nsp: the score hardly depends on one component of the current; ls: not at all, and no number"
+    NO_SIGNAL = 16
+    "the shell holds only rounding, and there is no number"
+    LEAKAGE_FLOOR = 32
+    "all that lies near the fitted surface could have leaked from the strongest wave, which is elsewhere"
+    THRESHOLD = 64
+    "ls: a bin is within rounding of the threshold, so that the result may jump"
+    UNCONVERGED = 128
+    "nsp: no stationary maximum was reached, and there is no number"
+
+    @property
+    def names(self) -> list[str]:
+        """As in JSON: lower case with hyphens, empty if there is nothing to say."""
+        return [note.name.lower().replace("_", "-") for note in Note if note in self and note.name]
+
+
+@dataclass(frozen=True)
+class Shell:
+    """All bins with |k - k_i| <= `half_width` dk (eq:g): n columns in the plane, each with every omega >= 0.
+
+    `magnitude` F = sqrt(P), (n, nw) (eq:maskedSpec); `kx`, `ky`, `intrinsic` omega0 at each bin's own k, (n,);
+    `omega`, `weight` (nw,), `weight` making the half space stand for the whole (decision D5).
+    """
+
+    wavenumber: float
+    kx: FloatArray
+    ky: FloatArray
+    intrinsic: FloatArray
+    omega: FloatArray
+    weight: FloatArray
+    magnitude: FloatArray
+    floor: tuple[FloatArray, FloatArray] | None
+    """What the strongest wave, if in no column here, may leak: factors (n,) and (nw,)."""
+    is_empty: bool
+    """Only rounding is here."""
+
+    def notes(self, near: npt.NDArray[np.bool_]) -> Note:
+        """LEAKAGE_FLOOR, if nothing at the bins `near` (n, nw) rises above what may have leaked there."""
+        if self.floor is None or not near.any():
+            return Note.NONE
+        above = self.magnitude > self.floor[0][:, None] * self.floor[1]
+        return Note.NONE if (above & near).any() else Note.LEAKAGE_FLOOR
+
+
+@dataclass(frozen=True)
+class Extraction:
+    """Doppler shift velocities per wavenumber, and how each was found. n wavenumbers, NaN where there is no number.
+
+    `score` (n,): N of eq:normSp at the optimum, or C of eq:LS1; its `gradient` (n, 2) and `hessian` (n, 2, 2)
+    there; `evaluations` (n,) of the score; `notes`, one a wavenumber.
+    """
+
+    method: str
+    wavenumbers: FloatArray
+    velocities: FloatArray
+    score: FloatArray
+    gradient: FloatArray
+    hessian: FloatArray
+    evaluations: IntArray
+    notes: tuple[Note, ...]
+
+
+Optimum = tuple[FloatArray, float, FloatArray, FloatArray, int, Note]
+"""Velocity (2,), score, gradient (2,), Hessian (2, 2), evaluations, notes."""
+
+
+def nothing(note: Note) -> Optimum:
+    """No number, and why."""
+    return np.full(2, np.nan), np.nan, np.full(2, np.nan), np.full((2, 2), np.nan), 0, note
+
+
+def collect(method: str, wavenumbers: FloatArray, found: list[Optimum]) -> Extraction:
+    """One record of the optima of all shells."""
+    velocity, score, gradient, hessian, evaluations, notes = zip(*found, strict=True)
+    return Extraction(method, wavenumbers, np.array(velocity), np.array(score), np.array(gradient),
+                      np.array(hessian), np.array(evaluations), notes)
+
+
+def checked_wavenumbers(wavenumbers: npt.ArrayLike) -> FloatArray:
+    """(n,) positive wavenumbers, n >= 1, or LeakrefError."""
+    k = finite("wavenumbers", "wavenumbers", np.atleast_1d(np.asarray(wavenumbers, dtype=np.float64)), 1)
+    if not k.size:
+        raise LeakrefError("wavenumbers", "the list is empty", "ask for at least one wavenumber")
+    positive("wavenumbers", wavenumbers=k)
+    return k
+
+
+def velocity_unit(wavenumber: float, gravity: float, peak_wavenumber: float | None) -> float:
+    """c0 = sqrt(g / k0), the unit in which the search starts and flags are judged.
+
+    Where the peak is not given: k0 = 1 if gravity is 1 (scaled units), else the shell's own wavenumber, which
+    keeps results the same at every scale (decision D21).
+    """
+    default = 1.0 if gravity == 1 else wavenumber
+    return float(phase_velocity(peak_wavenumber or default, gravity))
+
+
+def shell_at(spectrum: Spectrum, wavenumber: float, *, gravity: float = 1.0, half_width: float = HALF_WIDTH) -> Shell:
+    """The shell around `wavenumber` (rad per length), `half_width` in dk.
+
+    Raises LeakrefError for a shell that reaches past the Nyquist wavenumber or past the bins of the
+    spectrum, or that holds no bin.
+    """
+    positive("shell_at", wavenumber=wavenumber, gravity=gravity, half_width=half_width)
+    grid = spectrum.grid
+    dk = grid.wavenumber_resolution
+    outer, nyquist = wavenumber + half_width * dk, min(grid.nyquist[:2])
+    if outer >= nyquist * (1 - EDGE_MARGIN):
+        raise LeakrefError("shell_at", f"the shell around k = {wavenumber:.6g} reaches to {outer:.6g}, past the "
+                           f"Nyquist wavenumber {nyquist:.6g}", f"ask for k below {nyquist - half_width * dk:.6g}")
+    here = min(np.abs(spectrum.kx).max(), np.abs(spectrum.ky).max())
+    if outer > here + min(grid.bin_widths[:2]):
+        raise LeakrefError("shell_at", f"the shell around k = {wavenumber:.6g} reaches to {outer:.6g}, the "
+                           f"spectrum only to {here:.6g}", "make the spectrum with a larger largest_wavenumber")
+    k = np.hypot(*np.meshgrid(spectrum.kx, spectrum.ky, indexing="ij"))
+    a, b = np.nonzero(np.abs(k - wavenumber) / dk <= half_width + EDGE_MARGIN)
+    if not a.size:
+        raise LeakrefError("shell_at", f"no bin lies within {half_width} dk of k = {wavenumber:.6g}", "widen the shell")
+    magnitude = np.abs(spectrum.values[a, b])
+    largest, (i, j, m) = spectrum.strongest
+    distance = np.abs(spectrum.i[a] - i), np.abs(spectrum.j[b] - j)
+    floor = None
+    if not np.any((distance[0] == 0) & (distance[1] == 0)):
+        lobes = window(spectrum.window).sidelobe_envelope
+        floor = largest * lobes(distance[0]) * lobes(distance[1]), lobes(grid.bins(2) - m)
+    return Shell(float(wavenumber), spectrum.kx[a], spectrum.ky[b], intrinsic_frequency(k[a, b], gravity),
+                 spectrum.omega, spectrum.half_weight, magnitude, floor, not magnitude.max() > _ROUNDING * largest)

@@ -1,0 +1,1 @@
+"""Property-based tests, also from an installed package: `pytest --pyargs leakref.properties`."""
