@@ -8,8 +8,8 @@ from scipy.ndimage import maximum_filter
 from scipy.optimize import minimize
 
 from leakref._base import FloatArray, positive
-from leakref.shell import (HALF_WIDTH, Extraction, Note, Optimum, Shell, checked_wavenumbers, collect, nothing, shell_at,
-                           velocity_unit)
+from leakref.shell import (HALF_WIDTH, Extraction, Note, Optimum, Shell, checked_wavenumbers, collect, nothing,
+                           shell_at, velocity_unit)
 from leakref.spectrum import Spectrum
 
 __all__ = ["START", "WIDTH", "characteristic_function", "extract", "normalized_scalar_product", "optimum",
@@ -45,8 +45,9 @@ def characteristic_function(shell: Shell, velocity: npt.ArrayLike, width: float)
 def normalized_scalar_product(shell: Shell, velocity: npt.ArrayLike, width: float) -> float:
     """N of eq:normSp with means over the bins, so that it has no scale (decisions D6, D18)."""
     g = characteristic_function(shell, velocity, width)
-    norm = shell.kx.size * shell.weight.sum() / np.sum(shell.magnitude @ shell.weight)
-    return float(np.sum((g * shell.magnitude) @ shell.weight) / np.sum(g @ shell.weight) * norm)
+    count = shell.kx.size * shell.weight.sum()
+    overlap, total, energy = (float(np.sum(v @ shell.weight)) for v in (g * shell.magnitude, g, shell.magnitude))
+    return overlap / (total * energy) * float(count)
 
 
 def score_derivatives(shell: Shell, velocity: npt.ArrayLike, width: float) -> tuple[float, FloatArray, FloatArray]:

@@ -1,0 +1,95 @@
+"""What leaves the program: JSON without NaN, files that are whole or not there, one console for messages."""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from enum import Enum
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from leakref import LeakrefError, __version__
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.progress import Progress
+
+__all__ = ["console", "dump", "envelope", "plain", "progress_bar", "write_whole"]
+
+
+def plain(value: Any) -> Any:
+    """`value` in the types of JSON: arrays as lists, NaN and infinity as null."""
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, dict):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    if isinstance(value, Path | Enum):
+        return str(value)
+    if isinstance(value, float) and (value != value or value in (float("inf"), float("-inf"))):
+        return None
+    return value
+
+
+def dump(value: Any) -> str:
+    """One line of strict JSON; floats as short as they can be and come back the same."""
+    return json.dumps(plain(value), allow_nan=False, ensure_ascii=False)
+
+
+def envelope(command: str, ok: bool, **fields: Any) -> dict[str, Any]:
+    """The object that `--json` prints (CONTRACT.md, section 1)."""
+    return {"schema": f"leakref/{command}/1", "version": __version__, "ok": bool(ok), **fields}
+
+
+def write_whole(path: Path, write: Callable[[Path], object]) -> Path:
+    """Have `write` make a file beside `path`, and put it there in one step: nothing is ever half written."""
+    path = Path(path)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}-", suffix=path.suffix)
+        os.close(handle)
+        beside = Path(name)
+        try:
+            write(beside)
+            mask = os.umask(0)
+            os.umask(mask)
+            beside.chmod(0o666 & ~mask)  # as any new file: mkstemp makes it private
+            beside.replace(path)
+        finally:
+            with suppress(FileNotFoundError):
+                beside.unlink()
+    except OSError as error:
+        raise LeakrefError("write", f"{path} cannot be written ({error.strerror or error})",
+                           "choose a folder you may write to that has room") from None
+    return path
+
+
+def console() -> Console:
+    """Where progress and messages go: standard error, so that standard output holds results only."""
+    from rich.console import Console
+
+    return Console(stderr=True)
+
+
+@contextmanager
+def progress_bar(what: str, total: int) -> Iterator[Callable[[], None]]:
+    """A bar with rate and time left, on a terminal; yields the function to call after each step."""
+    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+    from rich.progress import Progress as Bar
+
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rate]}"),
+               TimeElapsedColumn(), TimeRemainingColumn())
+    bar: Progress
+    with Bar(*columns, console=console(), transient=True) as bar:
+        task = bar.add_task(what, total=total, rate="")
+
+        def step() -> None:
+            bar.advance(task)
+            speed = bar.tasks[0].speed
+            bar.update(task, rate=f"{speed:.2f}/s" if speed else "")
+
+        yield step

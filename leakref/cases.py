@@ -1,0 +1,123 @@
+"""The paper's cases as data (tab:case_collection)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from leakref._base import FloatArray, LeakrefError, finite, positive
+from leakref.chain import shell_wavenumbers
+from leakref.dispersion import UniformCurrent
+from leakref.grid import Grid
+from leakref.sea import Components, SeaState
+
+__all__ = ["CASES", "REALIZATIONS", "Configuration", "configurations"]
+
+REALIZATIONS = 100
+"""Realisations of every configuration in the paper (sec:parameters)."""
+_SHORT = {"direction": "direction", "spread": "spread", "peakedness": "peakedness", "length": "L", "duration": "T",
+          "speed": "current", "current_direction": "current_direction", "rotation": "rotation"}
+
+
+@dataclass(frozen=True)
+class Configuration:
+    """One line of a case: a sea, a current and a domain, in scaled units; angles in degrees.
+
+    `length` L and `duration` T count wavelengths and periods; `speed` and `current_direction` are those of the
+    uniform current; `rotation` turns sea and current about the centre of the domain (decision D13).
+    """
+
+    case: str
+    direction: float = 90.0
+    spread: float = 60.0
+    peakedness: float = 3.3
+    length: float = 10.0
+    duration: float = 20.0
+    speed: float = 0.0
+    current_direction: float = 0.0
+    rotation: float = 0.0
+    windows: tuple[str, ...] = ("box", "hann")
+    varied: tuple[str, ...] = ()
+    """The parameters that tell the configurations of a case apart: those in its id."""
+
+    def __post_init__(self) -> None:
+        for name in ("direction", "speed", "current_direction", "rotation"):
+            finite("Configuration", name, getattr(self, name))
+        positive("Configuration", spread=self.spread, peakedness=self.peakedness, length=self.length,
+                 duration=self.duration)
+
+    @property
+    def id(self) -> str:
+        """For instance `gamma/spread=15,peakedness=7`."""
+        values = ",".join(f"{_SHORT[name]}={getattr(self, name):g}" for name in self.varied)
+        return f"{self.case}/{values}" if values else self.case
+
+    @cached_property
+    def grid(self) -> Grid:
+        """The samples of sec:parameters."""
+        return Grid.scaled(self.length, self.duration)
+
+    @property
+    def wavenumbers(self) -> FloatArray:
+        """Those of the shells, (n,) (decision D9)."""
+        return shell_wavenumbers(self.grid)
+
+    @property
+    def current(self) -> FloatArray:
+        """The true current (2,), after the rotation."""
+        angle = np.radians(self.current_direction + self.rotation)
+        return self.speed * np.array([np.cos(angle), np.sin(angle)])
+
+    def components(self, realization: int) -> Components:
+        """The waves of one realisation."""
+        angle = np.radians(self.current_direction)
+        current = UniformCurrent((float(self.speed * np.cos(angle)), float(self.speed * np.sin(angle))))
+        sea = SeaState(self.direction, self.spread, self.peakedness, self.length, current).components(realization)
+        return sea.rotated(self.rotation, [side / 2 for side in self.grid.lengths[:2]]) if self.rotation else sea
+
+
+def _vary(base: Configuration, **values: Iterable[float]) -> tuple[Configuration, ...]:
+    base = replace(base, varied=(*base.varied, *values))
+    chosen: Iterable[dict[str, Any]] = (dict(zip(values, point, strict=True)) for point in product(*values.values()))
+    return tuple(replace(base, **point) for point in chosen)
+
+
+def _with_currents(rotation: float) -> tuple[Configuration, ...]:
+    base = Configuration("U", rotation=rotation, varied=("rotation",))
+    speeds = (0.025, 0.075, 0.15)  # three within the paper's range, which names no others (decision D22)
+    return _vary(base, speed=(0.0,)) + _vary(base, speed=speeds, current_direction=(90.0, 0.0, -90.0))
+
+
+CASES: dict[str, tuple[Configuration, ...]] = {
+    "nsp-ls": (Configuration("nsp-ls", direction=75.0),),
+    "theta0-dtheta": _vary(Configuration("theta0-dtheta"), direction=(60.0, 75.0, 90.0),
+                           spread=(15.0, 30.0, 45.0, 60.0)),
+    "gamma": _vary(Configuration("gamma", direction=60.0), spread=(15.0, 30.0, 45.0, 60.0),
+                   peakedness=(1.0, 3.3, 7.0)),
+    "L-T": _vary(Configuration("L-T"), length=(5.0, 10.0, 20.0), duration=(10.0, 20.0, 80.0)),
+    "U": _with_currents(0.0) + _with_currents(30.0),
+    "windows": (Configuration("windows", windows=("box", "hann", "blackman", "kaiser-bessel")),),
+}
+"""Every configuration of every case by the case's id."""
+
+
+def configurations(ids: Iterable[str]) -> list[Configuration]:
+    """The configurations named by `ids`, each of a case or of one configuration, in order and once.
+
+    Raises LeakrefError for an unknown id, with those that come close.
+    """
+    known = {c.id: c for members in CASES.values() for c in members}
+    chosen: dict[str, Configuration] = {}
+    for name in ids:
+        found = list(CASES.get(name, ())) or ([known[name]] if name in known else [])
+        if not found:
+            near = [c for c in known if c.startswith(name.split("/")[0] + "/")][:4] or list(CASES)
+            raise LeakrefError("configurations", f"no case is called {name!r}",
+                               f"try {', '.join(near)}; `leakref reproduce --list` prints all")
+        chosen.update((c.id, c) for c in found)
+    return list(chosen.values())

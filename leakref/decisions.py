@@ -1,0 +1,72 @@
+"""The register of decisions: where the paper leaves a choice, or slips, and what the reference does."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+__all__ = ["DECISIONS", "Decision"]
+
+
+@dataclass(frozen=True)
+class Decision:
+    """`question` left open by the paper, the `reference`'s answer, and `where` in the package it is taken."""
+
+    id: str
+    question: str
+    reference: str
+    where: str
+
+
+def _register(*rows: tuple[str, str, str]) -> dict[str, Decision]:
+    return {f"D{n}": Decision(f"D{n}", *row) for n, row in enumerate(rows, 1)}
+
+
+DECISIONS = _register(
+    ("How is a Hann window sampled?", "Periodic, n / N: exactly three bins of the DFT. Symmetric, n / (N - 1), is the "
+     "variant.", "window.Window.samples"),
+    ("Where is the negative-frequency branch of G?", "At k.c - omega0, the mirror image of a real signal. As printed, "
+     "at -omega0 - k.c, it breaks P(-k, -omega) = P(k, omega), and over the whole space the sign of c is lost.",
+     "nsp._centres"),
+    ("Does a bin on the edge of a shell belong to it?", "Yes, with a margin of 1e-9 dk, so that rounding decides "
+     "nothing.", "shell.EDGE_MARGIN"),
+    ("Over which frequencies do the sums go?", "The whole Nyquist range.", "shell.shell_at"),
+    ("Half the space or all of it?", "The half omega >= 0 with both branches; weight 1/2 on omega = 0 and on the "
+     "Nyquist plane of even nt makes them the same.", "spectrum.Spectrum.half_weight"),
+    ("How does Nelder-Mead start and stop?", "From c = 0, first simplex 2.5e-4 c0, to 1e-8 c0, N taken with means; then "
+     "Newton until the gradient vanishes. That stationary point is the certified value.", "nsp.optimum"),
+    ("The least-squares threshold is 0.2 of what?", "Of the shell's own largest power.", "leastsquares.THRESHOLD"),
+    ("How is C minimised?", "In closed form: it is quadratic.", "leastsquares.optimum"),
+    ("Which shells?", "k_i = i dk for 0.4 <= k_i <= 3.5, half width 2 dk.", "chain.shell_wavenumbers"),
+    ("Which lattice of input waves?", "Spacing 0.341 / L, the origin on the lattice, k <= 3.5 k_p.",
+     "sea.INPUT_SPACING"),
+    ("Which random phases?", "Philox words counted by lattice indices and keyed by the realisation: the same for "
+     "every sea on a lattice, on every platform.", "sea.uniform_phases"),
+    ("What is the random part?", "The standard deviation of |c| over realisations, with n - 1.",
+     "ensemble.Ensemble.random"),
+    ("What is a rotated video?", "Sea and current turned about the centre of the domain, the grid kept.",
+     "sea.Components.rotated"),
+    ("Which Kaiser-Bessel window?", "I0(b sqrt(1 - (2t/T - 1)^2)) / I0(b): the printed argument turns imaginary. "
+     "b = pi sqrt 3, which puts the first zero at two bins, as Hann's.", "window.KAISER_SHAPE"),
+    ("Which scale of amplitudes?", "a^2 = k^-3/2 S f dk^2, which carries the spectrum's energy; printed is "
+     "2 k^-3/2 S f dk. Velocities do not depend on it.", "sea.SeaState.components"),
+    ("Tapered or not, where the text does not say?", "Both, always.", "cases.Configuration"),
+    ("S at which frequency, with a current?", "At the intrinsic omega0(k).", "sea.SeaState.components"),
+    ("How are the integrals over theta, omega and k taken?", "As plain sums over bins.",
+     "nsp.normalized_scalar_product"),
+    ("Which half do the least-squares data come from?", "omega >= 0 only.", "leastsquares.optimum"),
+    ("What is dk where the domain is not square?", "The larger of dkx and dky, so that a shell is closed in both "
+     "directions.", "grid.Grid.wavenumber_resolution"),
+    ("In which unit of velocity does Nelder-Mead start, where the peak is not known?", "c0 of the given peak "
+     "wavenumber; else 1 if gravity is 1 (scaled units), else the phase velocity at the shell's own wavenumber, which "
+     "is the same at every scale.", "shell.velocity_unit"),
+    ("Which values within the ranges of the table (U 0...0.15, spread 15...60, gamma 1...7)?", "U 0, 0.025, 0.075, 0.15; "
+     "spread 15, 30, 45, 60; gamma 1, 3.3, 7; theta0 60, 75, 90 as in the text.", "cases.CASES"),
+    ("In which sense is a video rotated?", "The sea turns anticlockwise. The other sense is its mirror image, with the "
+     "two crossing currents exchanged.", "cases.Configuration.components"),
+    ("What of a shell that reaches past the Nyquist wavenumber?", "It is refused: part of it does not exist.",
+     "shell.shell_at"),
+    ("What is a shell with nothing in it?", "Largest bin below 1e-12 of the spectrum's largest: no number, noted as "
+     "no-signal. A single wave under least squares, or no stationary maximum: no number either, and noted.",
+     "shell.Note"),
+)
+"""Every decision by id, D1 to D19 as first laid down, those after as they were found."""

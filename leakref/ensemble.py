@@ -1,0 +1,118 @@
+"""Realisations of a configuration, and the bias and random part of what is measured from them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from leakref._base import FloatArray, IntArray, LeakrefError
+from leakref.cases import REALIZATIONS, Configuration
+from leakref.chain import METHODS, analyse, transform
+from leakref.dispersion import velocity_resolutions
+from leakref.shell import HALF_WIDTH, Extraction, Note
+
+__all__ = ["Ensemble", "realize", "run"]
+
+
+@dataclass(frozen=True)
+class Ensemble:
+    """Velocities (R, n, 2) of R realisations at n `wavenumbers` of a configuration, and notes (R, n) as integers.
+
+    Statistics are over realisations, for each wavenumber, without those that have no number (`count` says how
+    many have one).
+    """
+
+    configuration: Configuration
+    window: str
+    method: str
+    wavenumbers: FloatArray
+    velocities: FloatArray
+    notes: IntArray
+
+    @property
+    def magnitudes(self) -> FloatArray:
+        """|c|, (R, n)."""
+        return np.hypot(self.velocities[..., 0], self.velocities[..., 1])
+
+    @property
+    def count(self) -> IntArray:
+        """Realisations with a number, (n,)."""
+        return np.isfinite(self.magnitudes).sum(axis=0)
+
+    @property
+    def bias(self) -> FloatArray:
+        """Mean of |c|, (n,) (sec:parameters)."""
+        return _mean(self.magnitudes)
+
+    @property
+    def random(self) -> FloatArray:
+        """Standard deviation of |c|, (n,), with n - 1 (decision D12); the paper's figures show twice this."""
+        off = self.magnitudes - self.bias
+        few = self.count < 2
+        return np.where(few, np.nan, np.sqrt(np.nansum(off**2, axis=0) / np.where(few, 1, self.count - 1)))
+
+    @property
+    def mean(self) -> FloatArray:
+        """Mean vector, (n, 2)."""
+        return _mean(self.velocities)
+
+    @property
+    def standard_error(self) -> FloatArray:
+        """Of the bias, (n,)."""
+        return self.random / np.sqrt(np.maximum(self.count, 1))
+
+    @property
+    def resolutions(self) -> tuple[FloatArray, FloatArray]:
+        """eq:dcdwk from frequency and from wavenumber, (n,) each."""
+        grid = self.configuration.grid
+        return velocity_resolutions(self.wavenumbers, grid.wavenumber_resolution, grid.frequency_resolution)
+
+    def noted(self, note: Note) -> IntArray:
+        """In how many realisations a note was made, (n,)."""
+        return ((self.notes & note.value) != 0).sum(axis=0)
+
+    def record(self) -> dict[str, Any]:
+        """As in the JSON of `leakref reproduce` (CONTRACT.md)."""
+        frequency, wavenumber = self.resolutions
+        flagged = {name: self.noted(note) for note in Note for name in note.names if self.noted(note).any()}
+        return {"case": self.configuration.id, "window": self.window, "method": self.method,
+                "wavenumbers": self.wavenumbers, "bias": self.bias, "random": self.random,
+                "mean": self.mean, "standard_error": self.standard_error, "resolution_frequency": frequency,
+                "resolution_wavenumber": wavenumber, "realizations": len(self.velocities), "count": self.count,
+                "current": self.configuration.current, "flagged": flagged}
+
+
+def _mean(values: FloatArray) -> FloatArray:
+    count = np.isfinite(values).sum(axis=0)
+    return np.where(count == 0, np.nan, np.nansum(values, axis=0) / np.maximum(count, 1))
+
+
+def realize(configuration: Configuration, realization: int, *, methods: Sequence[str] = tuple(METHODS),
+            route: str = "B") -> dict[tuple[str, str], Extraction]:
+    """One realisation: an Extraction for each (window, method), by route A (surface and FFT) or B (closed form)."""
+    grid, k = configuration.grid, configuration.wavenumbers
+    reach = float(k[-1]) + (HALF_WIDTH + 1) * grid.wavenumber_resolution
+    spectra = transform(configuration.components(realization), grid, configuration.windows, route=route,
+                        largest_wavenumber=reach)
+    return {(s.window, method): analyse(s, k, method=method) for s in spectra for method in methods}
+
+
+def run(configuration: Configuration, *, realizations: int = REALIZATIONS, methods: Sequence[str] = tuple(METHODS),
+        route: str = "B", after_each: Callable[[], object] = lambda: None) -> list[Ensemble]:
+    """Realisations 0 ... `realizations` - 1 of a configuration: an Ensemble for each window and method.
+
+    `after_each` is called after each realisation. Raises LeakrefError.
+    """
+    if realizations < 1:
+        raise LeakrefError("run", f"{realizations} realisations", "ask for at least one")
+    found = []
+    for number in range(realizations):
+        found.append(realize(configuration, number, methods=methods, route=route))
+        after_each()
+    return [Ensemble(configuration, window, method, configuration.wavenumbers,
+                     np.array([one[window, method].velocities for one in found]),
+                     np.array([[note.value for note in one[window, method].notes] for one in found]))
+            for window, method in found[0]]

@@ -1,0 +1,104 @@
+"""Pictures: one style, colours that the colour-blind can tell apart, vector and PNG."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from cycler import cycler
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from leakref._output import write_whole
+from leakref.ensemble import Ensemble
+
+__all__ = ["COLOURS", "figure", "result_figure", "save"]
+
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+"""Okabe and Ito."""
+_STYLE: Any = {"font.size": 9, "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True,
+          "grid.alpha": 0.25, "legend.frameon": False, "legend.fontsize": 8, "axes.titlesize": 10,
+          "axes.prop_cycle": cycler(color=COLOURS), "svg.hashsalt": "leakref", "figure.dpi": 150}
+_LINES = ("-", "--", ":", "-.")
+_MARKERS = ("", "o", "^", "s")
+_WORDS = {"direction": r"$\theta_0$ = {:g}°", "spread": r"$\Delta\theta$ = {:g}°", "peakedness": r"$\gamma$ = {:g}",
+          "length": "$L$ = {:g}", "duration": "$T$ = {:g}", "speed": "$U$ = {:g}",
+          "current_direction": r"$\theta_U$ = {:g}°", "rotation": "rotated by {:g}°"}
+_WINDOWS = {"box": "no window", "hann": "Hann", "blackman": "Blackman", "kaiser-bessel": "Kaiser-Bessel"}
+_METHODS = {"nsp": "NSP", "ls": "LS"}
+
+
+@mpl.rc_context(_STYLE)
+def figure(rows: int, columns: int, *, width: float = 8.0, height: float = 2.7, **kwargs: Any) -> tuple[Figure, Any]:
+    """An empty figure in the house style with its axes, (rows, columns)."""
+    drawing = Figure(figsize=(width, height * rows + 0.4), layout="constrained")
+    FigureCanvasAgg(drawing)
+    return drawing, drawing.subplots(rows, columns, squeeze=False, **kwargs)
+
+
+@mpl.rc_context(_STYLE)
+def save(drawing: Figure, path: Path) -> list[Path]:
+    """Write `path` as PNG and as SVG, each whole or not at all; the same figure gives the same bytes."""
+    kinds: dict[str, dict[str, Any]] = {".png": {"Software": None}, ".svg": {"Date": None}}
+    return [write_whole(path.with_name(path.name + kind), partial(drawing.savefig, metadata=metadata, dpi=150))
+            for kind, metadata in kinds.items()]
+
+
+@mpl.rc_context(_STYLE)
+def result_figure(ensembles: Sequence[Ensemble], title: str) -> Figure:
+    """The form of fig:spec_ex: a column for each window; mean of |c| above, twice its standard deviation below.
+
+    Solid and dashed grey: the velocity resolutions from frequency and from wavenumber. With a current a third
+    row gives the direction of the mean velocity (fig:ConstCurr). Colour, line and marker follow the first,
+    second and third parameter that differs.
+    """
+    windows = list(dict.fromkeys(e.window for e in ensembles))
+    methods = list(dict.fromkeys(e.method for e in ensembles))
+    differing = [name for name in ensembles[0].configuration.varied
+                 if len({getattr(e.configuration, name) for e in ensembles}) > 1]
+    with_current = any(e.configuration.speed for e in ensembles)
+    drawing, axes = figure(3 if with_current else 2, len(windows), width=max(8.0, 3.2 * len(windows)), sharex=True,
+                           sharey="row")
+    keys = [("method", methods)] * (len(methods) > 1) + [
+        (name, sorted({getattr(e.configuration, name) for e in ensembles})) for name in differing]
+    looks: list[tuple[str, Sequence[Any]]] = [("color", COLOURS), ("linestyle", _LINES), ("marker", _MARKERS)]
+    if len(keys) > 3:
+        looks = [*looks, ("alpha", (1.0, 0.6, 0.4))]
+    for e in ensembles:
+        column = windows.index(e.window)
+        own = {"method": e.method, **{name: getattr(e.configuration, name) for name in differing}}
+        look = {what: choices[values.index(own[key]) % len(choices)]
+                for (key, values), (what, choices) in zip(keys, looks, strict=False)}
+        look = {"color": COLOURS[0], "lw": 1.3, "ms": 3, "markevery": 3, **look}
+        k = e.wavenumbers
+        words = [_METHODS[own[key]] if key == "method" else _WORDS[key].format(own[key]) for key, _ in keys]
+        label = ", ".join(words) or _METHODS[e.method]
+        axes[0, column].plot(k, e.bias, label=label, **look)
+        axes[1, column].plot(k, 2 * e.random, **look)
+        if with_current:
+            axes[2, column].plot(k, np.degrees(np.arctan2(*e.mean.T[::-1])), **look)
+    grids = {e.configuration.grid: e for e in ensembles}
+    for ax in axes[:2].flat:
+        for e in grids.values():
+            for resolution, line, what in zip(e.resolutions, ("-", "--"), (r"\omega", "k"), strict=True):
+                ax.plot(e.wavenumbers, resolution, color="0.6", ls=line, lw=1, zorder=0,
+                        label=rf"resolution $\delta c_{{\delta {what}}}$" if len(grids) == 1 else None)
+    for column, name in enumerate(windows):
+        axes[0, column].set_title(_WINDOWS.get(name, name))
+        axes[-1, column].set_xlabel("$k$ / $k_0$")
+    for row, what in enumerate((r"mean of $|\tilde{c}|$ / $c_0$", r"2 $\sigma$ of $|\tilde{c}|$ / $c_0$")):
+        axes[row, 0].set_ylabel(what)
+        axes[row, 0].set_ylim(bottom=0)
+    if with_current:
+        axes[2, 0].set_ylabel("direction of the mean (°)")
+        axes[2, 0].set_ylim(-180, 180)
+        axes[2, 0].set_yticks(range(-180, 181, 90))
+    handles, labels = axes[0, 0].get_legend_handles_labels()
+    drawing.legend(handles, labels, loc="outside right upper" if len(labels) > 8 else "outside lower center",
+                   ncols=1 if len(labels) > 8 else min(4, len(labels)))
+    drawing.suptitle(title)
+    return drawing
