@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.progress import Progress
 
-__all__ = ["console", "dump", "envelope", "plain", "progress_bar", "write_whole"]
+__all__ = ["console", "dump", "envelope", "folder", "plain", "progress_bar", "write_whole"]
 
 
 def plain(value: Any) -> Any:
@@ -43,6 +43,17 @@ def dump(value: Any) -> str:
 def envelope(command: str, ok: bool, **fields: Any) -> dict[str, Any]:
     """The object that `--json` prints (CONTRACT.md, section 1)."""
     return {"schema": f"leakref/{command}/1", "version": __version__, "ok": bool(ok), **fields}
+
+
+def folder(path: Path) -> Path:
+    """Make the folder `path` if need be, before the work whose results go there."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=path):
+            return path
+    except OSError as error:
+        raise LeakrefError("write", f"nothing can be written to {path} ({error.strerror or error})",
+                           "choose a folder you may write to with --out") from None
 
 
 def write_whole(path: Path, write: Callable[[Path], object]) -> Path:

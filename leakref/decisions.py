@@ -32,8 +32,8 @@ DECISIONS = _register(
     ("Over which frequencies do the sums go?", "The whole Nyquist range.", "shell.shell_at"),
     ("Half the space or all of it?", "The half omega >= 0 with both branches; weight 1/2 on omega = 0 and on the "
      "Nyquist plane of even nt makes them the same.", "spectrum.Spectrum.half_weight"),
-    ("How does Nelder-Mead start and stop?", "From c = 0, first simplex 2.5e-4 c0, to 1e-8 c0, N taken with means; then "
-     "Newton until the gradient vanishes. That stationary point is the certified value.", "nsp.optimum"),
+    ("How does Nelder-Mead start and stop?", "From c = 0, first simplex 2.5e-4 c0, to 1e-8 c0, N taken with means; "
+     "then Newton until the gradient vanishes. That stationary point is the certified value.", "nsp.optimum"),
     ("The least-squares threshold is 0.2 of what?", "Of the shell's own largest power.", "leastsquares.THRESHOLD"),
     ("How is C minimised?", "In closed form: it is quadratic.", "leastsquares.optimum"),
     ("Which shells?", "k_i = i dk for 0.4 <= k_i <= 3.5, half width 2 dk.", "chain.shell_wavenumbers"),
@@ -59,8 +59,8 @@ DECISIONS = _register(
     ("In which unit of velocity does Nelder-Mead start, where the peak is not known?", "c0 of the given peak "
      "wavenumber; else 1 if gravity is 1 (scaled units), else the phase velocity at the shell's own wavenumber, which "
      "is the same at every scale.", "shell.velocity_unit"),
-    ("Which values within the ranges of the table (U 0...0.15, spread 15...60, gamma 1...7)?", "U 0, 0.025, 0.075, 0.15; "
-     "spread 15, 30, 45, 60; gamma 1, 3.3, 7; theta0 60, 75, 90 as in the text.", "cases.CASES"),
+    ("Which values within the ranges of the table (U 0...0.15, spread 15...60, gamma 1...7)?", "U 0, 0.025, 0.075, "
+     "0.15; spread 15, 30, 45, 60; gamma 1, 3.3, 7; theta0 60, 75, 90 as in the text.", "cases.CASES"),
     ("In which sense is a video rotated?", "The sea turns anticlockwise. The other sense is its mirror image, with the "
      "two crossing currents exchanged.", "cases.Configuration.components"),
     ("What of a shell that reaches past the Nyquist wavenumber?", "It is refused: part of it does not exist.",

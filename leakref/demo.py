@@ -11,7 +11,7 @@ from rich.console import Console
 
 from leakref import chain
 from leakref._base import FloatArray
-from leakref._output import console, dump, envelope, progress_bar
+from leakref._output import console, dump, envelope, folder, progress_bar
 from leakref.cases import Configuration, configurations
 from leakref.ensemble import Ensemble
 from leakref.reproduce import table
@@ -28,6 +28,7 @@ def run(out: Path, *, json: bool = False) -> bool:
     """One narrow sea of the paper in still water, untapered and tapered, by both routes; whether all came true."""
     from leakref.figures import result_figure, save
 
+    folder(out)
     configuration = replace(configurations([CASE])[0], varied=())
     wavenumbers = configuration.wavenumbers[::2]
     console().print(f"Still water, a narrow sea travelling at {configuration.direction:g}°: {_REALIZATIONS} videos of "

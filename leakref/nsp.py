@@ -61,8 +61,7 @@ def score_derivatives(shell: Shell, velocity: npt.ArrayLike, width: float) -> tu
     for centre in _centres(shell, velocity):
         z = (shell.omega - centre[:, None]) / width
         g = np.exp(-2 * z**2) * shell.weight
-        for order, factor in enumerate((1.0, 4 * z / width, (16 * z**2 - 4) / width**2)):
-            term = factor * g
+        for order, term in enumerate((g, 4 * z / width * g, (16 * z**2 - 4) / width**2 * g)):
             top[order] += np.einsum("nw,nw->n", term, shell.magnitude)
             bottom[order] += term.sum(axis=1)
     norm = k.shape[1] * shell.weight.sum() / np.sum(shell.magnitude @ shell.weight)

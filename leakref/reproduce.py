@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.table import Table
 
 from leakref import ensemble
-from leakref._output import console, dump, envelope, progress_bar, write_whole
+from leakref._output import console, dump, envelope, folder, progress_bar, write_whole
 from leakref.cases import configurations
 from leakref.ensemble import Ensemble
 from leakref.shell import Note
@@ -23,7 +23,7 @@ __all__ = ["run", "table"]
 def run(ids: Sequence[str], *, realizations: int, figures: bool, out: Path, route: str, json: bool) -> bool:
     """Run the configurations named by `ids`, write everything to `out`, print the tables; returns True."""
     chosen = configurations(ids)
-    out.mkdir(parents=True, exist_ok=True)
+    folder(out)
     done: list[Ensemble] = []
     with progress_bar("realisations", realizations * len(chosen)) as step:
         for configuration in chosen:

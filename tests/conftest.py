@@ -1,0 +1,53 @@
+"""The option --slow, and the seas, grids and spectra that several files share."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from leakref import Components, Grid, SeaState, UniformCurrent, leakage
+
+# nx, ny, nt and dx, dy, dt all different; even and odd sizes in every position
+RECTANGULAR = (Grid((12, 17, 22), (0.9, 0.6, 0.35)), Grid((15, 10, 9), (0.5, 1.1, 0.8)),
+               Grid((9, 14, 16), (1.3, 0.7, 0.45)), Grid((16, 13, 11), (0.8, 0.95, 0.6)))
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--slow", action="store_true", help="also run the tests marked slow")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    if not config.getoption("--slow"):
+        for item in items:
+            if "slow" in item.keywords:
+                item.add_marker(pytest.mark.skip(reason="slow: run with --slow"))
+
+
+def waves_off_bins(grid: Grid, off: float) -> Components:
+    """Seven waves on bins of `grid`, moved by about `off` bins: another amount for each wave and axis."""
+    rng = np.random.default_rng(7)
+    bins = np.stack([rng.integers(-(n // 2) + 1, n // 2, 7) for n in grid.shape]).astype(float)
+    bins += off * np.where(rng.random(bins.shape) < 0.5, -1, 1) * (1 if off == 0.5 else rng.uniform(0.5, 1, bins.shape))
+    kx, ky, omega = bins * np.array(grid.bin_widths)[:, None]
+    return Components(kx, ky, omega, rng.uniform(0.2, 1, 7), rng.uniform(0, 2 * np.pi, 7))
+
+
+@pytest.fixture(scope="session")
+def small_grid() -> Grid:
+    """Some five wavelengths and ten periods, no two sizes or spacings alike, dkx and dky different."""
+    return Grid((40, 44, 48), (0.8, 0.75, 1.3))
+
+
+@pytest.fixture(scope="session")
+def small_sea() -> Components:
+    return SeaState(direction=70, spread=60, length=5, current=UniformCurrent((0.07, -0.04))).components(3)
+
+
+@pytest.fixture(scope="session")
+def tapered(small_grid, small_sea):
+    return leakage.spectrum(small_sea, small_grid, "hann")
+
+
+@pytest.fixture(scope="session")
+def untapered(small_grid, small_sea):
+    return leakage.spectrum(small_sea, small_grid, "box")

@@ -1,0 +1,136 @@
+"""Deliberately dumb oracles: loops and direct sums, written from the paper and from nothing in leakref."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Callable, Iterable, Sequence
+
+import mpmath
+
+Wave = tuple[float, float, float, float, float]  # kx, ky, omega, amplitude, phase
+
+
+def waves(components) -> list[Wave]:
+    """The components as plain tuples."""
+    c = components
+    return [tuple(map(float, w)) for w in zip(c.kx, c.ky, c.omega, c.amplitude, c.phase, strict=True)]
+
+
+def surface(components, x: Sequence[float], y: Sequence[float], t: Sequence[float]) -> list[list[list[float]]]:
+    """eta[x][y][t] by a loop over samples and waves."""
+    listed = waves(components)
+    return [[[math.fsum(a * math.cos(kx * p + ky * q - omega * s + phase) for kx, ky, omega, a, phase in listed)
+              for s in t] for q in y] for p in x]
+
+
+def window(name: str, size: int) -> list[float]:
+    """Periodic samples: box, eq:hann, Blackman, and Kaiser-Bessel with its zero at two bins."""
+    if name == "box":
+        return [1.0] * size
+    s = [n / size for n in range(size)]
+    if name == "hann":
+        return [0.5 - 0.5 * math.cos(2 * math.pi * u) for u in s]
+    if name == "blackman":
+        return [0.42 - 0.5 * math.cos(2 * math.pi * u) + 0.08 * math.cos(4 * math.pi * u) for u in s]
+    b = math.pi * math.sqrt(3)
+    return [float(mpmath.besseli(0, b * mpmath.sqrt(1 - (2 * u - 1) ** 2)) / mpmath.besseli(0, b)) for u in s]
+
+
+def spectral_sum(eta, name: str, bin_numbers: tuple[int, int, int]) -> complex:
+    """sum w eta exp(-i (k.x - omega t)) at one bin, sample by sample."""
+    nx, ny, nt = len(eta), len(eta[0]), len(eta[0][0])
+    wx, wy, wt = (window(name, n) for n in (nx, ny, nt))
+    i, j, m = bin_numbers
+    total = 0j
+    for a in range(nx):
+        for b in range(ny):
+            for c in range(nt):
+                turn = (i * a % nx) / nx + (j * b % ny) / ny - (m * c % nt) / nt
+                total += wx[a] * wy[b] * wt[c] * float(eta[a][b][c]) * cmath.exp(-2j * math.pi * turn)
+    return total
+
+
+def exponential_sum(bin_number: int, position: float, size: int, weights: Iterable[float] | None = None) -> mpmath.mpc:
+    """sum over m of w_m exp(-2 pi i m (n - u) / size), with 40 digits."""
+    with mpmath.workdps(40):
+        u = mpmath.mpf(position)
+        w = [mpmath.mpf(1)] * size if weights is None else [mpmath.mpf(v) for v in weights]
+        return mpmath.fsum(w[m] * mpmath.expjpi(-2 * m * (bin_number - u) / size) for m in range(size))
+
+
+def window_transform(name: str, offset: float) -> float:
+    """Integral of w(s) cos(2 pi v (s - 1/2)) over 0 < s < 1."""
+    b = mpmath.pi * mpmath.sqrt(3)
+    w = {"box": lambda s: mpmath.mpf(1),
+         "hann": lambda s: 0.5 - 0.5 * mpmath.cos(2 * mpmath.pi * s),
+         "blackman": lambda s: 0.42 - 0.5 * mpmath.cos(2 * mpmath.pi * s) + 0.08 * mpmath.cos(4 * mpmath.pi * s),
+         "kaiser-bessel": lambda s: mpmath.besseli(0, b * mpmath.sqrt(1 - (2 * s - 1) ** 2)) / mpmath.besseli(0, b)}
+    return float(mpmath.quad(lambda s: w[name](s) * mpmath.cos(2 * mpmath.pi * offset * (s - 0.5)),
+                             mpmath.linspace(0, 1, 9)))
+
+
+def shell_bins(n: int, grid_shape: tuple[int, int], ratio: int = 1) -> list[tuple[int, int]]:
+    """Bins (i, j) with |k - n dk| <= 2 dk where dkx = dk and dky = dk / ratio, in exact integer arithmetic."""
+    found = []
+    for i in range(-(grid_shape[0] // 2), (grid_shape[0] + 1) // 2):
+        for j in range(-(grid_shape[1] // 2), (grid_shape[1] + 1) // 2):
+            squared = (ratio * i) ** 2 + j**2
+            if (ratio * max(n - 2, 0)) ** 2 <= squared <= (ratio * (n + 2)) ** 2:
+                found.append((i, j))
+    return found
+
+
+def mirrored(k: tuple[float, float], c: Sequence[float], omega0: float) -> float:
+    """Where a real signal's mirror image is seen: omega = -omega0 + k.c."""
+    return -omega0 + k[0] * c[0] + k[1] * c[1]
+
+
+def as_printed(k: tuple[float, float], c: Sequence[float], omega0: float) -> float:
+    """Where eq:DSVkernel as printed puts its other branch: omega = -omega_DR = -omega0 - k.c."""
+    return -omega0 - k[0] * c[0] - k[1] * c[1]
+
+
+def normalized_scalar_product(whole, bin_widths: Sequence[float], wavenumber: float, velocity: Sequence[float],
+                              width: float, *, half: bool = False, gravity: float = 1.0,
+                              branch: Callable[..., float] = mirrored) -> float:
+    """N of eq:normSp, bin by bin, over the whole space or the half omega >= 0; `whole` is S[i][j][m] in FFT order."""
+    shape = len(whole), len(whole[0]), len(whole[0][0])
+    dk = max(bin_widths[:2])
+    count = gf = g = f = 0.0
+    for i in range(-(shape[0] // 2), (shape[0] + 1) // 2):
+        for j in range(-(shape[1] // 2), (shape[1] + 1) // 2):
+            k = i * bin_widths[0], j * bin_widths[1]
+            modulus = math.hypot(*k)
+            if abs(modulus - wavenumber) > 2 * dk * (1 + 1e-12):
+                continue
+            omega0 = math.sqrt(gravity * modulus)
+            centres = omega0 + k[0] * velocity[0] + k[1] * velocity[1], branch(k, velocity, omega0)
+            for m in range(0 if half else -(shape[2] // 2), shape[2] // 2 + 1 if half else (shape[2] + 1) // 2):
+                weight = 0.5 if half and m in (0, shape[2] / 2) else 1.0
+                characteristic = sum(math.exp(-2 * ((m * bin_widths[2] - centre) / width) ** 2) for centre in centres)
+                magnitude = abs(whole[i % shape[0]][j % shape[1]][m % shape[2]])
+                count += weight
+                gf += weight * characteristic * magnitude
+                g += weight * characteristic
+                f += weight * magnitude
+    return (gf / count) / ((g / count) * (f / count))
+
+
+def philox4x64_10(counter: Sequence[int], key: Sequence[int]) -> list[int]:
+    """One block of Philox4x64-10 (Salmon et al., Random123), on Python's integers."""
+    mask = 2**64 - 1
+    c, k = list(counter), list(key)
+    for _ in range(10):
+        high0, low0 = divmod(0xD2E7470EE14C6C93 * c[0], 2**64)
+        high1, low1 = divmod(0xCA5A826395121157 * c[2], 2**64)
+        c = [high1 ^ c[1] ^ k[0], low1, high0 ^ c[3] ^ k[1], low0]
+        k = [(k[0] + 0x9E3779B97F4A7C15) & mask, (k[1] + 0xBB67AE8584CAA73B) & mask]
+    return c
+
+
+def differences(function: Callable[[float, float], float], at: Sequence[float], step: float) -> list[float]:
+    """Gradient by central differences of fourth order: error step^4 f^(5) / 30, plus rounding over step."""
+    x, y = at
+    return [(8 * (function(x + a, y + b) - function(x - a, y - b)) - function(x + 2 * a, y + 2 * b)
+             + function(x - 2 * a, y - 2 * b)) / (12 * step) for a, b in ((step, 0.0), (0.0, step))]
