@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["ComplexArray", "FloatArray", "IntArray", "LeakrefError", "finite", "positive"]
+__all__ = ["ComplexArray", "FloatArray", "IntArray", "LeakrefError", "finite", "integer", "positive"]
 
 FloatArray = npt.NDArray[np.floating[Any]]
 ComplexArray = npt.NDArray[np.complex128]
@@ -32,6 +32,8 @@ def finite(call: str, name: str, value: npt.ArrayLike, ndim: int | None = None) 
         raw = np.asarray(value)
         if raw.dtype.kind == "c":
             raise LeakrefError(call, f"{name} is complex", "pass real numbers")
+        if np.ma.is_masked(value):
+            raise LeakrefError(call, f"{name} has masked values", "fill them first")
         array = np.asarray(raw, dtype=np.float64)
     except (TypeError, ValueError) as error:
         if isinstance(error, LeakrefError):
@@ -41,11 +43,23 @@ def finite(call: str, name: str, value: npt.ArrayLike, ndim: int | None = None) 
         raise LeakrefError(call, f"{name} has shape {array.shape}, {array.ndim} dimensions",
                            f"pass an array of {ndim} dimension{'s' * (ndim != 1)}")
     # a sum is finite only if every sample is (or it overflows): one pass, no mask of the whole cube
-    if not np.isfinite(array.sum()) and not (good := np.isfinite(array)).all():
+    with np.errstate(all="ignore"):
+        total = array.sum()
+    if not np.isfinite(total) and not (good := np.isfinite(array)).all():
         bad = int(array.size - good.sum())
         raise LeakrefError(call, f"{name} holds {bad} of {array.size} values that are not finite",
                            "remove or fill NaN and infinity first")
     return array
+
+
+def integer(call: str, name: str, value: Any, least: int = 0) -> int:
+    """`value` as a whole number of at least `least`, or a LeakrefError."""
+    try:
+        if value == int(value) and value >= least:
+            return int(value)
+    except (TypeError, ValueError, OverflowError):
+        pass
+    raise LeakrefError(call, f"{name} = {value!r} is not a whole number of at least {least}", f"give {name} as one")
 
 
 def positive(call: str, **values: float | Iterable[float]) -> None:

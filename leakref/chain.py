@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from leakref import leakage, leastsquares, nsp
-from leakref._base import ComplexArray, FloatArray, LeakrefError, finite
+from leakref._base import ComplexArray, FloatArray, LeakrefError, finite, positive
 from leakref.grid import Grid
 from leakref.sea import Components
 from leakref.shell import Extraction
@@ -26,6 +26,7 @@ METHODS: dict[str, Callable[..., Extraction]] = {"nsp": nsp.extract, "ls": least
 
 def shell_wavenumbers(grid: Grid, smallest: float = 0.4, largest: float = 3.5) -> FloatArray:
     """k_i = i dk with `smallest` <= k_i <= `largest` (decision D9): overlapping shells, one a bin, (n,)."""
+    positive("shell_wavenumbers", smallest=smallest, largest=largest)
     dk = grid.wavenumber_resolution
     first, last = int(np.ceil(smallest / dk - 1e-9)), int(np.floor(largest / dk + 1e-9))
     return np.arange(first, last + 1) * dk

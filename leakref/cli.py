@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable
 from functools import wraps
@@ -33,11 +34,15 @@ def _options(version: Annotated[bool, typer.Option("--version", callback=_versio
     pass
 
 
-def command(panel: str, name: str | None = None) -> Callable[[Callable[..., bool]], Callable[..., None]]:
-    """A command whose body returns whether it holds: exit status 0 or 1; 2 and one line for a refused input."""
+def command(panel: str | None, name: str | None = None,
+            group: typer.Typer = app) -> Callable[[Callable[..., bool | int]], Callable[..., None]]:
+    """A command of `group` whose body returns whether it holds, exit status 0 or 1, or the status itself.
 
-    def register(body: Callable[..., bool]) -> Callable[..., None]:
-        @app.command(name, rich_help_panel=panel)
+    A refused input is status 2 and one line.
+    """
+
+    def register(body: Callable[..., bool | int]) -> Callable[..., None]:
+        @group.command(name, rich_help_panel=panel)
         @wraps(body)
         def run(*args: Any, **kwargs: Any) -> None:
             from leakref import LeakrefError
@@ -50,7 +55,7 @@ def command(panel: str, name: str | None = None) -> Callable[[Callable[..., bool
             except KeyboardInterrupt:
                 typer.echo("leakref: interrupted", err=True)
                 raise typer.Exit(130) from None
-            raise typer.Exit(0 if holds else 1)
+            raise typer.Exit((0 if holds else 1) if isinstance(holds, bool) else holds)
 
         return run
 
@@ -76,6 +81,8 @@ def reproduce(
     figures: Annotated[bool, typer.Option("--figures", help="Draw them as well.")] = False,
     out: Annotated[Path, typer.Option(help="Folder for tables, data and figures.")] = Path("leakref-results"),
     route: Annotated[str, typer.Option(help="A: surface and FFT, B: closed form.")] = "B",
+    workers: Annotated[int, typer.Option(min=0, help="Processes; 0: one for each core.")] = 0,
+    scheduler: Annotated[str, typer.Option(help="Address of a dask.distributed scheduler to use instead.")] = "",
     listing: Annotated[bool, typer.Option("--list", help="Print the ids of all cases and stop.")] = False,
     json: Json = False,
 ) -> bool:
@@ -93,7 +100,94 @@ def reproduce(
     from leakref.reproduce import run
 
     return run(list(CASES) if everything else case or [], realizations=realizations, figures=figures, out=out,
-               route=route.upper(), json=json)
+               route=route.upper(), json=json, workers=workers or os.cpu_count() or 1, scheduler=scheduler)
+
+
+@command(DATA)
+def extract(
+    file: Annotated[Path, typer.Argument(help="A cube: npz, mat (v5 to v7), NetCDF, or npy with --spacing.")],
+    window: Annotated[str, typer.Option(help="box (none), hann, blackman or kaiser-bessel.")] = "hann",
+    method: Annotated[str, typer.Option(help="nsp or ls.")] = "nsp",
+    wavenumbers: Annotated[str | None, typer.Option(help="0.4,0.5 or first:last:step, in the file's units; default: "
+                                                         "every dk from 4 dk up where there is signal.")] = None,
+    screen: Annotated[bool, typer.Option("--screen", help="Is leakage at work? Untapered against tapered.")] = False,
+    rotate: Annotated[float | None, typer.Option(help="With --screen: also turn the images, degrees.")] = None,
+    spacing: Annotated[str | None, typer.Option(help="dx,dy,dt, instead of coordinates in the file.")] = None,
+    axes: Annotated[str | None, typer.Option(help="Order in which eta is stored, such as txy.")] = None,
+    gravity: Annotated[float | None, typer.Option(help="In the file's units, if it does not say.")] = None,
+    detrend: Annotated[str, typer.Option(help="Remove first: none, mean, or linear (a plane in x, y, t).")] = "none",
+    out: Annotated[Path | None, typer.Option(help="Folder for JSON, CSV, NetCDF and figures.")] = None,
+    json: Json = False,
+) -> bool:
+    """The chain on your own cube: a Doppler shift velocity for each wavenumber, in the file's units."""
+    from leakref.userdata import extract as run
+
+    return run(file, window=window, method=method, wavenumbers=wavenumbers, screening=screen, rotate=rotate,
+               spacing=spacing, axes=axes, gravity=gravity, detrend=detrend, out=out, json=json)
+
+
+@command(DATA)
+def export(
+    case: Annotated[str, typer.Argument(help="One configuration, as in `leakref reproduce --list`.")],
+    out: Annotated[Path, typer.Option(help="File to write.")],
+    realization: Annotated[int, typer.Option(min=0, help="Which realisation.")] = 0,
+    format: Annotated[str, typer.Option(help="npz, mat (v5) or netcdf.")] = "npz",
+    peak_wavenumber: Annotated[float | None, typer.Option(help="k0 in rad/m, with --gravity: SI units.")] = None,
+    gravity: Annotated[float | None, typer.Option(help="In m/s2, with --peak-wavenumber.")] = None,
+    json: Json = False,
+) -> bool:
+    """A cube of a paper case with its truth, for any code to try."""
+    from leakref.userdata import export as run
+
+    return run(case, realization=realization, format=format, out=out, peak_wavenumber=peak_wavenumber, gravity=gravity,
+               json=json)
+
+
+golden_app = typer.Typer(no_args_is_help=True, context_settings={"help_option_names": ["-h", "--help"]})
+app.add_typer(golden_app, name="golden", rich_help_panel=UPKEEP, help="The golden values: unchanged? still reproduced?")
+GoldenNumber = Annotated[int, typer.Option("--golden", help="Which set, 1 for golden/v1.")]
+GoldenFolder = Annotated[Path | None, typer.Option("--set", help="Folder of a set, instead of the installed one.")]
+GoldenWork = Annotated[Path, typer.Option(help="Folder where long runs are kept, and resumed from.")]
+Workers = Annotated[int, typer.Option(min=0, help="Processes; 0: one for each core.")]
+
+
+@command(None, "lint", golden_app)
+def golden_lint(golden: GoldenNumber = 1, place: GoldenFolder = None, json: Json = False) -> bool:
+    """Whole and unchanged? Schemas, counts, ids, digests of every entry."""
+    from leakref.goldencommands import run_lint
+
+    return run_lint(golden, place, json=json)
+
+
+@command(None, "verify", golden_app)
+def golden_verify(
+    full: Annotated[bool, typer.Option("--full", help="By every route, all realisations and ensembles.")] = False,
+    golden: GoldenNumber = 1,
+    place: GoldenFolder = None,
+    work: GoldenWork = Path("leakref-golden"),
+    workers: Workers = 0,
+    json: Json = False,
+) -> int:
+    """Still reproduced? Compute again and compare: vectors and a few realisations, or everything."""
+    from leakref.goldencommands import run_verify
+
+    return run_verify(golden, place, full=full, work=work, workers=workers or os.cpu_count() or 1, json=json)
+
+
+@command(None, "regenerate", golden_app)
+def golden_regenerate(
+    ids: Annotated[list[str] | None, typer.Argument(help="Entries to write; 'realization-*' adds what is missing. "
+                                                         "None: compare all, write beside.")] = None,
+    golden: GoldenNumber = 1,
+    place: GoldenFolder = None,
+    work: GoldenWork = Path("leakref-golden"),
+    workers: Workers = 0,
+    json: Json = False,
+) -> bool:
+    """Compute entries again, show what differs; replaces only the ids that are named."""
+    from leakref.goldencommands import run_regenerate
+
+    return run_regenerate(ids or [], golden, place, work=work, workers=workers or os.cpu_count() or 1, json=json)
 
 
 def main() -> None:

@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from leakref._base import FloatArray, IntArray, LeakrefError
-from leakref.cases import REALIZATIONS, Configuration
+from leakref._base import FloatArray, IntArray
+from leakref.cases import Configuration
 from leakref.chain import METHODS, analyse, transform
 from leakref.dispersion import velocity_resolutions
 from leakref.shell import HALF_WIDTH, Extraction, Note
 
-__all__ = ["Ensemble", "realize", "run"]
+__all__ = ["Ensemble", "realize"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Ensemble:
     """Velocities (R, n, 2) of R realisations at n `wavenumbers` of a configuration, and notes (R, n) as integers.
 
@@ -98,21 +98,3 @@ def realize(configuration: Configuration, realization: int, *, methods: Sequence
     spectra = transform(configuration.components(realization), grid, configuration.windows, route=route,
                         largest_wavenumber=reach)
     return {(s.window, method): analyse(s, k, method=method) for s in spectra for method in methods}
-
-
-def run(configuration: Configuration, *, realizations: int = REALIZATIONS, methods: Sequence[str] = tuple(METHODS),
-        route: str = "B", after_each: Callable[[], object] = lambda: None) -> list[Ensemble]:
-    """Realisations 0 ... `realizations` - 1 of a configuration: an Ensemble for each window and method.
-
-    `after_each` is called after each realisation. Raises LeakrefError.
-    """
-    if realizations < 1:
-        raise LeakrefError("run", f"{realizations} realisations", "ask for at least one")
-    found = []
-    for number in range(realizations):
-        found.append(realize(configuration, number, methods=methods, route=route))
-        after_each()
-    return [Ensemble(configuration, window, method, configuration.wavenumbers,
-                     np.array([one[window, method].velocities for one in found]),
-                     np.array([[note.value for note in one[window, method].notes] for one in found]))
-            for window, method in found[0]]

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from leakref._base import FloatArray, IntArray, LeakrefError, positive
+from leakref._base import FloatArray, IntArray, LeakrefError, finite, integer, positive
 
 __all__ = ["SPACING", "TIME_STEP", "Grid"]
 
@@ -29,15 +29,19 @@ class Grid:
     spacing: tuple[float, float, float]
 
     def __post_init__(self) -> None:
-        shape, spacing = tuple(self.shape), tuple(self.spacing)
-        if len(shape) != 3 or any(n != int(n) or n < 2 for n in shape):
-            raise LeakrefError("Grid", f"shape = {shape} is not three sizes of at least 2",
-                               "give (nx, ny, nt) with two samples or more along every axis")
-        if len(spacing) != 3:
-            raise LeakrefError("Grid", f"spacing = {spacing} is not three numbers", "give (dx, dy, dt)")
+        try:
+            shape = tuple(integer("Grid", "shape", n, 2) for n in self.shape)
+            if len(shape) != 3:
+                raise TypeError
+        except (TypeError, LeakrefError):
+            raise LeakrefError("Grid", f"shape = {self.shape} is not three sizes of at least 2",
+                               "give (nx, ny, nt) with two samples or more along every axis") from None
+        spacing = finite("Grid", "spacing", self.spacing)
+        if spacing.shape != (3,):
+            raise LeakrefError("Grid", f"spacing = {self.spacing} is not three numbers", "give (dx, dy, dt)")
         positive("Grid", spacing=spacing)
-        object.__setattr__(self, "shape", tuple(int(n) for n in shape))
-        object.__setattr__(self, "spacing", tuple(float(d) for d in spacing))
+        object.__setattr__(self, "shape", shape)
+        object.__setattr__(self, "spacing", tuple(spacing.tolist()))
 
     @classmethod
     def scaled(cls, length: float, duration: float) -> Grid:

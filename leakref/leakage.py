@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from leakref._base import ComplexArray, FloatArray, IntArray
+from leakref._base import ComplexArray, FloatArray, IntArray, positive
 from leakref.grid import Grid
 from leakref.sea import Components
 from leakref.spectrum import Spectrum
@@ -26,6 +26,8 @@ def spectrum(components: Components, grid: Grid, window: str = "hann", *,
     |kx|, |ky| <= `largest_wavenumber` (default: all) are computed.
     """
     taper = named_window(window)
+    if largest_wavenumber is not None:
+        positive("leakage.spectrum", largest_wavenumber=largest_wavenumber)
     i, j = (_within(grid, axis, largest_wavenumber) for axis in (0, 1))
     lattice = components.separated()
     kx, ix, ky, iy = lattice if lattice is not None else (components.kx, None, components.ky, None)

@@ -44,8 +44,8 @@ def optimum(shell: Shell, threshold: float = THRESHOLD) -> Optimum:
 def extract(spectrum: Spectrum, wavenumbers: npt.ArrayLike, *, gravity: float = 1.0, threshold: float = THRESHOLD,
             half_width: float = HALF_WIDTH) -> Extraction:
     """Doppler shift velocities by least squares (sec:LSvsNSP), one for each wavenumber (n,). Raises LeakrefError."""
-    k = checked_wavenumbers(wavenumbers)
-    if not 0 < threshold <= 1:
+    k = checked_wavenumbers(wavenumbers, "leastsquares.extract")
+    if not (isinstance(threshold, int | float) and 0 < threshold <= 1):
         raise LeakrefError("leastsquares.extract", f"threshold = {threshold}",
                            "give a part of the largest power, above 0 and at most 1")
     return collect("ls", k, [optimum(shell_at(spectrum, k_i, gravity=gravity, half_width=half_width), threshold)

@@ -47,7 +47,7 @@ def normalized_scalar_product(shell: Shell, velocity: npt.ArrayLike, width: floa
     g = characteristic_function(shell, velocity, width)
     count = shell.kx.size * shell.weight.sum()
     overlap, total, energy = (float(np.sum(v @ shell.weight)) for v in (g * shell.magnitude, g, shell.magnitude))
-    return overlap / (total * energy) * float(count)
+    return overlap / (total * energy) * float(count) if total > 0 else 0.0  # else G has left the spectrum
 
 
 def score_derivatives(shell: Shell, velocity: npt.ArrayLike, width: float) -> tuple[float, FloatArray, FloatArray]:
@@ -64,11 +64,13 @@ def score_derivatives(shell: Shell, velocity: npt.ArrayLike, width: float) -> tu
         for order, term in enumerate((g, 4 * z / width * g, (16 * z**2 - 4) / width**2 * g)):
             top[order] += np.einsum("nw,nw->n", term, shell.magnitude)
             bottom[order] += term.sum(axis=1)
+    if not bottom[0].any():
+        return 0.0, np.zeros(2), np.zeros((2, 2))
     norm = k.shape[1] * shell.weight.sum() / np.sum(shell.magnitude @ shell.weight)
     (a, da, dda), (b, db, ddb) = ((s[0].sum(), k @ s[1], (k * s[2]) @ k.T) for s in (top, bottom))
     n = a / b * norm
     slope = da / a - db / b  # of log N
-    bend = dda / a - np.outer(da, da) / a**2 - ddb / b + np.outer(db, db) / b**2
+    bend = dda / a - np.outer(da / a, da / a) - ddb / b + np.outer(db / b, db / b)
     return float(n), n * slope, n * (bend + np.outer(slope, slope))
 
 
@@ -88,15 +90,13 @@ def _ascend(shell: Shell, velocity: FloatArray, width: float, unit: float) -> tu
             break
         velocity = velocity + step * min(1.0, width / (4 * shell.wavenumber * max(length, 1e-300)))
         if length < 1e-13 * unit or (count > 20 and length < 1e-11 * unit):
-            return velocity, count, bool(curvature.max() <= 1e-9 * np.abs(curvature).max())
+            return velocity, count, bool(curvature.max() <= 1e-9 * np.abs(curvature).max() and curvature.min() < 0)
     return velocity, count, False
 
 
 def _reach(shell: Shell, width: float, unit: float) -> float:
     """The largest |c| at which the score still means something: past it G leaves the Nyquist range."""
-    k = shell.wavenumber
-    return min(_REACH * unit, float(shell.omega[-1] - np.sqrt(shell.intrinsic.min() * shell.intrinsic.max())
-                                    - 3 * width) / k)
+    return min(_REACH * unit, (float(shell.omega[-1]) - shell.frequency - 3 * width) / shell.wavenumber)
 
 
 def _scores(shell: Shell, velocities: FloatArray, width: float) -> FloatArray:
@@ -183,8 +183,10 @@ def extract(spectrum: Spectrum, wavenumbers: npt.ArrayLike, *, gravity: float = 
     `width` a in domega, `half_width` of a shell in dk; `peak_wavenumber` k0 sets the unit of the search (see
     `velocity_unit`). Shells are taken one at a time, so memory does not grow with their number. Raises LeakrefError.
     """
-    k = checked_wavenumbers(wavenumbers)
+    k = checked_wavenumbers(wavenumbers, "nsp.extract")
     positive("nsp.extract", gravity=gravity, width=width, half_width=half_width)
+    if peak_wavenumber is not None:
+        positive("nsp.extract", peak_wavenumber=peak_wavenumber)
     a = width * spectrum.grid.frequency_resolution
     return collect("nsp", k, [optimum(shell_at(spectrum, k_i, gravity=gravity, half_width=half_width), a,
                                       velocity_unit(k_i, gravity, peak_wavenumber), search=search) for k_i in k])

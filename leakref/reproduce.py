@@ -11,7 +11,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from leakref import ensemble
+from leakref import runs
 from leakref._output import console, dump, envelope, folder, progress_bar, write_whole
 from leakref.cases import configurations
 from leakref.ensemble import Ensemble
@@ -20,16 +20,21 @@ from leakref.shell import Note
 __all__ = ["run", "table"]
 
 
-def run(ids: Sequence[str], *, realizations: int, figures: bool, out: Path, route: str, json: bool) -> bool:
-    """Run the configurations named by `ids`, write everything to `out`, print the tables; returns True."""
+def run(ids: Sequence[str], *, realizations: int, figures: bool, out: Path, route: str, json: bool, workers: int = 1,
+        scheduler: str = "") -> bool:
+    """Run the configurations named by `ids`, write everything to `out`, print the tables; returns True.
+
+    Realisations already in `out`, of the same source and settings, are not computed again.
+    """
     chosen = configurations(ids)
     folder(out)
     done: list[Ensemble] = []
-    with progress_bar("realisations", realizations * len(chosen)) as step:
-        for configuration in chosen:
-            found = ensemble.run(configuration, realizations=realizations, route=route, after_each=step)
+    where = runs.connected(scheduler) if scheduler else runs.pool(workers)
+    with progress_bar("realisations", realizations * len(chosen)) as step, where as executor:
+        for found in runs.run(chosen, realizations=realizations, route=route, folder=out / "parts", executor=executor,
+                              after_each=step):
             done += found
-            _write(out, configuration.id, found)
+            _write(out, found[0].configuration.id, found)
     result = envelope("reproduce", True, cases=[e.record() for e in done], route=route)
     write_whole(out / "reproduce.json", lambda path: path.write_text(dump(result) + "\n", encoding="utf-8"))
     drawn = _draw(out, done) if figures else []

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from leakref._base import FloatArray, IntArray, LeakrefError, finite, positive
+from leakref._base import FloatArray, IntArray, LeakrefError, finite, integer, positive
 from leakref.dispersion import Current, Scales, UniformCurrent, intrinsic_frequency
 from leakref.grid import Grid
 
@@ -22,7 +22,7 @@ LARGEST_WAVENUMBER = 3.5
 _ORIGIN = 1 << 32  # lattice index (0, 0) in the counter of the phases: far from either end of a word
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Components:
     """Plane waves `amplitude cos(kx x + ky y - omega t + phase)`, five arrays of shape (n,).
 
@@ -73,7 +73,7 @@ class Components:
 
 def jonswap(frequency: npt.ArrayLike, peakedness: float = 3.3) -> FloatArray:
     """S(omega) of eq:JONSWAP with eq:JONSWAP_params, N = 1; `frequency` in units of that of the peak."""
-    w = np.asarray(frequency, dtype=np.float64)
+    w = np.maximum(np.asarray(frequency, dtype=np.float64), 1e-3)  # where it has vanished, and no power overflows
     sigma = np.where(w <= 1, 0.07, 0.09)
     r = np.exp(-0.5 * ((w - 1) / sigma) ** 2)
     return w**-5 * np.exp(-1.25 * w**-4) * peakedness**r
@@ -129,7 +129,7 @@ class SeaState:
         The energy in a cell is S f k^-3/2 / 2 dk^2 (decision D15: the printed eq:amplitudes has another
         power of dk and a factor 2); S is taken at the intrinsic frequency (decision D17), omega is eq:SnJ.
         """
-        if realization != int(realization) or not 0 <= realization < 2**63:
+        if integer("SeaState.components", "realization", realization) >= 2**63:
             raise LeakrefError("SeaState.components", f"realization = {realization}", "count them 0, 1, 2, ...")
         dk = INPUT_SPACING / self.length
         m = int(LARGEST_WAVENUMBER / dk)
@@ -158,6 +158,10 @@ def aligned_waves(grid: Grid, bins: Sequence[tuple[int, int, int]], *, amplitude
     if len(bins) not in (1, 2):
         raise LeakrefError("aligned_waves", f"{len(bins)} waves", "give one or two bins (i, j, m)")
     number = np.asarray(bins)
+    outside = 2 * np.abs(number) >= np.asarray(grid.shape)
+    if number.shape[1:] != (3,) or not np.array_equal(number, np.rint(number)) or outside.any():
+        raise LeakrefError("aligned_waves", f"bins {list(bins)} are not all on the grid, short of its Nyquist bins "
+                           f"{tuple(n // 2 for n in grid.shape)}", "give whole numbers (i, j, m) within them")
     k = number[:, :2] * np.asarray(grid.bin_widths[:2])
     omega = number[:, 2] * grid.frequency_resolution
     if len(bins) == 2 and abs(np.linalg.det(number[:, :2].astype(float))) < 0.5:

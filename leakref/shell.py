@@ -13,8 +13,8 @@ from leakref.dispersion import intrinsic_frequency, phase_velocity
 from leakref.spectrum import Spectrum
 from leakref.window import window
 
-__all__ = ["EDGE_MARGIN", "HALF_WIDTH", "Extraction", "Note", "Shell", "checked_wavenumbers", "collect",
-           "shell_at", "velocity_unit"]
+__all__ = ["EDGE_MARGIN", "HALF_WIDTH", "Extraction", "Note", "Optimum", "Shell", "checked_wavenumbers", "collect",
+           "nothing", "shell_at", "velocity_unit"]
 
 HALF_WIDTH = 2.0
 """Half width of a shell in dk (app:numdetails)."""
@@ -50,7 +50,7 @@ class Note(Flag):
         return [note.name.lower().replace("_", "-") for note in Note if note in self and note.name]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Shell:
     """All bins with |k - k_i| <= `half_width` dk (eq:g): n columns in the plane, each with every omega >= 0.
 
@@ -65,20 +65,26 @@ class Shell:
     omega: FloatArray
     weight: FloatArray
     magnitude: FloatArray
-    floor: tuple[FloatArray, FloatArray] | None
-    """What the strongest wave, if in no column here, may leak: factors (n,) and (nw,)."""
+    floor: FloatArray | None
+    """What the strongest wave of the spectrum and its mirror image may leak here, (n, nw); None if it is here."""
     is_empty: bool
     """Only rounding is here."""
+
+    @property
+    def frequency(self) -> float:
+        """omega0 at the shell's own wavenumber."""
+        n = int(np.argmax(self.intrinsic))
+        k = np.hypot(self.kx[n], self.ky[n])
+        return float(self.intrinsic[n] * np.sqrt(self.wavenumber / k)) if k else 0.0
 
     def notes(self, near: npt.NDArray[np.bool_]) -> Note:
         """LEAKAGE_FLOOR, if nothing at the bins `near` (n, nw) rises above what may have leaked there."""
         if self.floor is None or not near.any():
             return Note.NONE
-        above = self.magnitude > self.floor[0][:, None] * self.floor[1]
-        return Note.NONE if (above & near).any() else Note.LEAKAGE_FLOOR
+        return Note.NONE if ((self.magnitude > self.floor) & near).any() else Note.LEAKAGE_FLOOR
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Extraction:
     """Doppler shift velocities per wavenumber, and how each was found. n wavenumbers, NaN where there is no number.
 
@@ -112,13 +118,20 @@ def collect(method: str, wavenumbers: FloatArray, found: list[Optimum]) -> Extra
                       np.array(hessian), np.array(evaluations), notes)
 
 
-def checked_wavenumbers(wavenumbers: npt.ArrayLike) -> FloatArray:
+def checked_wavenumbers(wavenumbers: npt.ArrayLike, call: str = "extract") -> FloatArray:
     """(n,) positive wavenumbers, n >= 1, or LeakrefError."""
-    k = finite("wavenumbers", "wavenumbers", np.atleast_1d(np.asarray(wavenumbers, dtype=np.float64)), 1)
+    k = finite(call, "wavenumbers", np.atleast_1d(np.asarray(wavenumbers)), 1)
     if not k.size:
-        raise LeakrefError("wavenumbers", "the list is empty", "ask for at least one wavenumber")
-    positive("wavenumbers", wavenumbers=k)
+        raise LeakrefError(call, "the list of wavenumbers is empty", "ask for at least one")
+    positive(call, wavenumbers=k)
     return k
+
+
+def _leaked(spectrum: Spectrum, distances: tuple[IntArray, IntArray, IntArray]) -> FloatArray:
+    """How much of a wave may be seen this many bins away from it along each axis, (n,), (n,) and (nw,): (n, nw)."""
+    x, y, t = (window(spectrum.window).sidelobe_envelope(d, n)
+               for d, n in zip(distances, spectrum.grid.shape, strict=True))
+    return (x * y)[:, None] * t
 
 
 def velocity_unit(wavenumber: float, gravity: float, peak_wavenumber: float | None) -> float:
@@ -144,20 +157,20 @@ def shell_at(spectrum: Spectrum, wavenumber: float, *, gravity: float = 1.0, hal
     if outer >= nyquist * (1 - EDGE_MARGIN):
         raise LeakrefError("shell_at", f"the shell around k = {wavenumber:.6g} reaches to {outer:.6g}, past the "
                            f"Nyquist wavenumber {nyquist:.6g}", f"ask for k below {nyquist - half_width * dk:.6g}")
-    here = min(np.abs(spectrum.kx).max(), np.abs(spectrum.ky).max())
-    if outer > here + min(grid.bin_widths[:2]):
+    here = min((np.abs(spectrum.i).max() + 1) * grid.bin_widths[0], (np.abs(spectrum.j).max() + 1) * grid.bin_widths[1])
+    if outer + EDGE_MARGIN * dk >= here:  # the first bin that is not here would be in the shell
         raise LeakrefError("shell_at", f"the shell around k = {wavenumber:.6g} reaches to {outer:.6g}, the "
-                           f"spectrum only to {here:.6g}", "make the spectrum with a larger largest_wavenumber")
+                           f"spectrum only to below {here:.6g}", "make the spectrum with a larger largest_wavenumber")
     k = np.hypot(*np.meshgrid(spectrum.kx, spectrum.ky, indexing="ij"))
     a, b = np.nonzero(np.abs(k - wavenumber) / dk <= half_width + EDGE_MARGIN)
     if not a.size:
         raise LeakrefError("shell_at", f"no bin lies within {half_width} dk of k = {wavenumber:.6g}", "widen the shell")
     magnitude = np.abs(spectrum.values[a, b])
     largest, (i, j, m) = spectrum.strongest
-    distance = np.abs(spectrum.i[a] - i), np.abs(spectrum.j[b] - j)
     floor = None
-    if not np.any((distance[0] == 0) & (distance[1] == 0)):
-        lobes = window(spectrum.window).sidelobe_envelope
-        floor = largest * lobes(distance[0]) * lobes(distance[1]), lobes(grid.bins(2) - m)
+    if not np.any((spectrum.i[a] == i) & (spectrum.j[b] == j)):
+        wave, mirror = (_leaked(spectrum, (spectrum.i[a] + sign * i, spectrum.j[b] + sign * j, grid.bins(2) + sign * m))
+                        for sign in (-1, 1))
+        floor = largest * (wave + mirror)
     return Shell(float(wavenumber), spectrum.kx[a], spectrum.ky[b], intrinsic_frequency(k[a, b], gravity),
                  spectrum.omega, spectrum.half_weight, magnitude, floor, not magnitude.max() > _ROUNDING * largest)

@@ -17,7 +17,7 @@ from leakref.window import window as named_window
 __all__ = ["Spectrum", "fourier"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Spectrum:
     """S(k, omega) = sum of w eta exp(-i (k.x - omega t)): a wave is at its own (+k, +omega). P = |S|^2.
 

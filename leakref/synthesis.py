@@ -26,14 +26,14 @@ def synthesize(components: Components, x: npt.ArrayLike, y: npt.ArrayLike, t: np
     if not all(shape):
         raise LeakrefError("synthesize", f"no samples along one of {shape}", "give at least one x, y and t")
     eta = np.empty(shape) if out is None else out
-    if eta.shape != shape:
-        raise LeakrefError("synthesize", f"out has shape {eta.shape}", f"pass shape {shape}")
+    if eta.shape != shape or eta.dtype != np.float64:
+        raise LeakrefError("synthesize", f"out has shape {eta.shape} of {eta.dtype}", f"pass shape {shape} of float64")
     waves = components.amplitude * np.exp(1j * components.phase)
     lattice = components.separated()
     kx, i, ky, j = lattice if lattice is not None else (components.kx, None, components.ky, None)
     ex, ey = np.exp(1j * np.outer(x, kx)), np.exp(1j * np.outer(y, ky))
     ex_real = np.hstack([ex.real, -ex.imag])
-    step = max(1, _BUFFER // (2 * kx.size * y.size))
+    step = max(1, _BUFFER // (kx.size * max(2 * y.size, ky.size if lattice else 1)))
     for start in range(0, t.size, step):
         times = t[start : start + step]
         moving = waves[:, None] * np.exp(-1j * np.outer(components.omega, times))

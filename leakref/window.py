@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import i0
 
-from leakref._base import ComplexArray, FloatArray, IntArray, LeakrefError
+from leakref._base import ComplexArray, FloatArray, IntArray, LeakrefError, integer
 
 __all__ = ["KAISER_SHAPE", "WINDOWS", "Window", "dirichlet", "window"]
 
@@ -42,8 +42,7 @@ class Window:
 
     def samples(self, size: int, *, symmetric: bool = False) -> FloatArray:
         """w at n = 0 ... size - 1, (size,): periodic, n / size (decision D1), or n / (size - 1) if `symmetric`."""
-        if size != int(size) or size < 2:
-            raise LeakrefError("Window.samples", f"size = {size}", "give at least two samples")
+        size = integer("Window.samples", "size", size, 2)
         s = np.arange(size) / (size - 1 if symmetric else size)
         if not self.coefficients:
             return i0(KAISER_SHAPE * np.sqrt(1 - (2 * s - 1) ** 2)) / i0(KAISER_SHAPE)
@@ -81,10 +80,14 @@ class Window:
         forward = np.exp(-2j * np.pi / size * (np.outer(n, m) % size))
         return (forward * self.samples(size)) @ np.exp(2j * np.pi * np.outer(m, u / size))
 
-    def sidelobe_envelope(self, distance: IntArray) -> FloatArray:
-        """At most how much of a wave's largest bin is seen a whole number of bins away: worst case, half off a bin."""
-        d = np.abs(distance)
-        return np.where(d == 0, 1.0, np.abs(self.transform(d - 0.5) / self.transform(0.5)))
+    def sidelobe_envelope(self, distance: IntArray, size: int) -> FloatArray:
+        """How much of a wave's largest bin can be seen `distance` bins (n,) away, at most; distances wrap at `size`.
+
+        The worst of 33 offsets from the bin, and a tenth more for those in between.
+        """
+        offsets = np.linspace(-0.5, 0.5, 33)
+        seen = np.abs(self.response(distance, offsets, size)) / np.abs(self.response([0], offsets, size))
+        return np.where(np.asarray(distance) % size == 0, 1.0, 1.1 * seen.max(axis=1))
 
 
 WINDOWS = {w.name: w for w in (Window("box", (1.0,)), Window("hann", (0.5, 0.5)),
@@ -94,6 +97,6 @@ WINDOWS = {w.name: w for w in (Window("box", (1.0,)), Window("hann", (0.5, 0.5))
 
 def window(name: str) -> Window:
     """The window of that name. Raises LeakrefError with the list of names."""
-    if name not in WINDOWS:
+    if not isinstance(name, str) or name not in WINDOWS:
         raise LeakrefError("window", f"no window named {name!r}", f"choose one of {', '.join(WINDOWS)}")
     return WINDOWS[name]

@@ -35,7 +35,7 @@ def waves_off_bins(grid: Grid, off: float) -> Components:
 @pytest.fixture(scope="session")
 def small_grid() -> Grid:
     """Some five wavelengths and ten periods, no two sizes or spacings alike, dkx and dky different."""
-    return Grid((40, 44, 48), (0.8, 0.75, 1.3))
+    return Grid((40, 44, 64), (0.8, 0.75, 0.9))
 
 
 @pytest.fixture(scope="session")

@@ -117,6 +117,27 @@ def normalized_scalar_product(whole, bin_widths: Sequence[float], wavenumber: fl
     return (gf / count) / ((g / count) * (f / count))
 
 
+def least_squares(whole, bin_widths: Sequence[float], wavenumber: float, threshold: float,
+                  gravity: float = 1.0) -> tuple[tuple[float, float], list[tuple[float, float, float, float]]]:
+    """The minimum of eq:LS1 over omega >= 0 by Cramer's rule, and its data (kx, ky, omega, omega0)."""
+    shape = len(whole), len(whole[0]), len(whole[0][0])
+    inside = []
+    for i in range(-(shape[0] // 2), (shape[0] + 1) // 2):
+        for j in range(-(shape[1] // 2), (shape[1] + 1) // 2):
+            kx, ky = i * bin_widths[0], j * bin_widths[1]
+            if abs(math.hypot(kx, ky) - wavenumber) <= 2 * max(bin_widths[:2]) * (1 + 1e-12):
+                inside += [(abs(whole[i % shape[0]][j % shape[1]][m]) ** 2, kx, ky, m * bin_widths[2])
+                           for m in range(shape[2] // 2 + 1)]
+    largest = max(power for power, *_ in inside)
+    data = [(kx, ky, omega, math.sqrt(gravity * math.hypot(kx, ky))) for power, kx, ky, omega in inside
+            if power >= threshold * largest]
+    xx, xy, yy, xb, yb = (math.fsum(terms) for terms in zip(*(
+        (kx * kx, kx * ky, ky * ky, kx * (omega - omega0), ky * (omega - omega0)) for kx, ky, omega, omega0 in data),
+        strict=True))
+    determinant = xx * yy - xy * xy
+    return ((yy * xb - xy * yb) / determinant, (xx * yb - xy * xb) / determinant), data
+
+
 def philox4x64_10(counter: Sequence[int], key: Sequence[int]) -> list[int]:
     """One block of Philox4x64-10 (Salmon et al., Random123), on Python's integers."""
     mask = 2**64 - 1

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from leakref import LeakrefError, Note, ensemble
+from leakref import LeakrefError, Note, ensemble, runs
 from leakref.cases import Configuration
 
 SMALL = Configuration("small", direction=60, spread=45, length=2, duration=4)
@@ -11,7 +11,7 @@ SMALL = Configuration("small", direction=60, spread=45, length=2, duration=4)
 
 @pytest.fixture(scope="module")
 def found():
-    return {(e.window, e.method): e for e in ensemble.run(SMALL, realizations=3)}
+    return {(e.window, e.method): e for e in next(runs.run([SMALL], realizations=3))}
 
 
 def test_an_ensemble_holds_every_realisation_in_order(found):
@@ -24,7 +24,7 @@ def test_an_ensemble_holds_every_realisation_in_order(found):
 
 
 def test_both_routes_give_the_same_ensemble(found):
-    for e in ensemble.run(SMALL, realizations=2, route="A", methods=["nsp"]):
+    for e in next(runs.run([SMALL], realizations=2, route="A", methods=["nsp"])):
         plain = e.notes == 0
         difference = np.abs(e.velocities - found[e.window, e.method].velocities[:2])[plain]
         assert plain.any()
@@ -49,11 +49,11 @@ def test_statistics_by_hand_and_without_those_that_have_no_number():
 
 
 def test_one_realisation_has_no_random_part():
-    (e,) = [e for e in ensemble.run(SMALL, realizations=1, methods=["ls"]) if e.window == "hann"]
+    (e,) = [e for e in next(runs.run([SMALL], realizations=1, methods=["ls"])) if e.window == "hann"]
     assert np.isnan(e.random).all()
     assert np.isfinite(e.bias).all()
 
 
 def test_no_realisations_are_refused():
     with pytest.raises(LeakrefError, match="at least one"):
-        ensemble.run(SMALL, realizations=0)
+        next(runs.run([SMALL], realizations=0))

@@ -96,8 +96,8 @@ def test_components_and_coordinates_are_left_alone():
 
 
 @pytest.mark.parametrize(("arguments", "out", "fault"), [
-    (([], Y, T), None, "no samples"), ((X, [[0.0]], T), None, "y has shape (1, 1)"), ((X, Y, [np.nan]), None, "t holds"),
-    ((X, Y, T), np.empty((4, 3, 4)), "out has shape (4, 3, 4)")])
+    (([], Y, T), None, "no samples"), ((X, [[0.0]], T), None, "y has shape (1, 1)"),
+    ((X, Y, [np.nan]), None, "t holds"), ((X, Y, T), np.empty((4, 3, 4)), "out has shape (4, 3, 4)")])
 def test_bad_input_is_refused(arguments, out, fault):
     with pytest.raises(LeakrefError) as caught:
         synthesize(LATTICE, *arguments, out=out)
@@ -106,5 +106,5 @@ def test_bad_input_is_refused(arguments, out, fault):
 
 
 def test_out_that_cannot_hold_float64_is_refused():
-    with pytest.raises(LeakrefError, match="^synthesize: out "):  # float32 would round silently
+    with pytest.raises(LeakrefError, match=r"^synthesize: out "):  # float32 would round silently
         synthesize(LATTICE, X, Y, T, out=np.empty((4, 3, 5), dtype=np.float32))

@@ -1,0 +1,105 @@
+"""Cubes larger than memory: trend and transform taken a block at a time, only the bins needed kept."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from scipy import fft
+
+from leakref._base import ComplexArray, FloatArray, LeakrefError, finite
+from leakref.grid import Grid
+from leakref.spectrum import Spectrum
+from leakref.window import window as named_window
+
+__all__ = ["TRENDS", "fourier_in_blocks", "plane", "trend"]
+
+TRENDS = ("none", "mean", "linear")
+"""What can be removed before the transform: nothing, the mean, or the plane a + bx x + by y + bt t."""
+_BLOCK = 2**26  # bytes of samples, as float64, held at a time
+
+
+def _blocks(surface: Any, size: int) -> Iterator[tuple[int, slice, FloatArray]]:
+    """(axis, slice, finite float64 samples) along the axis that is slowest in the file: reads are in order."""
+    strides = getattr(surface, "strides", (3, 2, 1))
+    axis = int(np.argmax(np.abs(strides)))
+    n = surface.shape[axis]
+    step = max(1, size * n // (8 * int(np.prod(surface.shape, dtype=np.int64))))
+    for start in range(0, n, step):
+        part = slice(start, min(start + step, n))
+        samples = np.asarray(surface[(slice(None),) * axis + (part,)])
+        yield axis, part, finite("extract", f"the surface, samples {start}...{part.stop - 1} along {'xyt'[axis]},",
+                                 samples, 3)
+
+
+def trend(surface: Any, kind: str, *, block: int = _BLOCK) -> FloatArray:
+    """The trend of a surface eta[x, y, t] as (mean, bx, by, bt), slopes per sample, by least squares.
+
+    On a full lattice the centred indices are orthogonal to each other and to the mean, so each slope is one sum.
+    Raises LeakrefError for an unknown kind or samples that are not finite.
+    """
+    if kind not in TRENDS:
+        raise LeakrefError("trend", f"no trend is called {kind!r}", f"choose one of {', '.join(TRENDS)}")
+    found = np.zeros(4)
+    if kind == "none":
+        return found
+    centred = [np.arange(n) - (n - 1) / 2 for n in surface.shape]
+    for axis, part, samples in _blocks(surface, block):
+        index = [c[part] if a == axis else c for a, c in enumerate(centred)]
+        along_t = samples.sum(axis=(0, 1))
+        found += [along_t.sum(), index[0] @ samples.sum(axis=(1, 2)), index[1] @ samples.sum(axis=(0, 2)),
+                  index[2] @ along_t]
+    found /= np.prod(surface.shape, dtype=np.float64)
+    found[1:] *= [12 / (n**2 - 1) if kind == "linear" else 0.0 for n in surface.shape]
+    return found
+
+
+def plane(coefficients: FloatArray, shape: tuple[int, int, int], axis: int = 0,
+          part: slice | None = None) -> FloatArray:
+    """The trend on a cube of `shape`, or on the `part` of it along `axis`."""
+    x, y, t = (b * (np.arange(n) - (n - 1) / 2)[part if a == axis and part else slice(None)]
+               for a, (n, b) in enumerate(zip(shape, coefficients[1:], strict=True)))
+    return (coefficients[0] + x[:, None] + y)[:, :, None] + t
+
+
+def fourier_in_blocks(surface: Any, grid: Grid, window: str = "hann", *, largest_wavenumber: float | None = None,
+                      remove: FloatArray | None = None, block: int = _BLOCK) -> Spectrum:
+    """What `spectrum.fourier` gives, to rounding, on the bins with |kx|, |ky| <= `largest_wavenumber` (default all).
+
+    `surface` is anything with a shape that can be sliced, for instance memory-mapped; `remove` is a `trend`. The
+    transform is separable: a block along the slowest axis is transformed along the other two, only the
+    bins kept are stored, and the last axis follows at the end. Memory: `block` bytes and some times the bins
+    kept, never the cube. Raises LeakrefError.
+    """
+    if surface.shape != grid.shape:
+        raise LeakrefError("fourier_in_blocks", f"the surface has shape {surface.shape}, the grid {grid.shape}",
+                           "pass the grid the surface was sampled on, axes in the order x, y, t")
+    kept = [grid.bins(a) for a in (0, 1)]
+    if largest_wavenumber is not None:
+        kept = [b[np.abs(b) <= largest_wavenumber / grid.bin_widths[a] + 1e-9] for a, b in enumerate(kept)]
+    tapers = [named_window(window).samples(n) for n in grid.shape]
+    half = grid.shape[2] // 2 + 1
+    partial: ComplexArray | None = None
+    for axis, part, samples in _blocks(surface, block):
+        wx, wy, wt = (w[part] if a == axis else w for a, w in enumerate(tapers))
+        samples = samples - plane(remove, grid.shape, axis, part) if remove is not None else samples.copy()
+        samples *= (wx[:, None] * wy)[:, :, None]
+        samples *= wt
+        if axis == 2:
+            values = fft.fft2(samples, axes=(0, 1))[np.ix_(*kept)]  # signed bins index from the end, as they should
+        else:  # the conjugate makes it exp(+i omega t), as in spectrum.fourier
+            values = fft.fft(fft.rfft(samples, axis=2).conj(), axis=1 - axis).take(kept[1 - axis], axis=1 - axis)
+        if partial is None:
+            shape = list(values.shape)
+            shape[axis] = grid.shape[axis]
+            partial = np.empty(shape, dtype=np.complex128)
+        partial[(slice(None),) * axis + (part,)] = values
+    assert partial is not None  # a grid has samples
+    if axis == 2:
+        whole = np.stack([fft.ifft(row, axis=-1, norm="forward")[:, :half] for row in partial])
+    elif axis == 0:
+        whole = np.stack([fft.fft(partial[:, b], axis=0)[kept[0]] for b in range(partial.shape[1])], axis=1)
+    else:
+        whole = np.stack([fft.fft(row, axis=0)[kept[1]] for row in partial])
+    return Spectrum(grid, window, kept[0], kept[1], whole)

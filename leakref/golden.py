@@ -1,0 +1,366 @@
+"""Golden values: where they are, that nobody changed them, and how far from them a number may be.
+
+A set is a folder `v1`, `v2`, ... of JSON files with a manifest; `golden/README.md` describes it for readers in any
+language. An entry has an id for ever, inputs, outputs, and for each output how many digits several routes agreed on.
+
+**Tolerance.** One formula, `tolerance`: a margin of 8 times the rounding of float64, 2^-52, times the conditioning that
+the entry states: by how much, to first order and in the output's own unit, an output moves if every rounding on the
+way is one unit of 2^-52. It is computed when an entry is made (`leakref.goldenmaking`), never chosen. Whole numbers
+and phases have conditioning 0: they are compared for equality.
+
+NaN equals nothing. Where there is no number the golden value is null and gives its reason.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from importlib import resources
+from importlib.resources.abc import Traversable
+from typing import Any
+
+import numpy as np
+
+from leakref._base import FloatArray, LeakrefError
+
+__all__ = ["EPSILON", "MARGIN", "SCHEMA_VERSION", "SETS", "Entry", "Failure", "Golden", "Report", "agreed_digits",
+           "canonical", "compare", "digest", "entry_digest", "lint", "locate", "tolerance"]
+
+EPSILON = 2.0**-52
+MARGIN = 8.0
+"""Between one rounding of every operation, as the conditioning counts it, and what is let pass."""
+SCHEMA_VERSION = 1
+SETS = ("vectors", "analytic", "realizations", "ensembles")
+"""The folders of a set, from quick to slow."""
+
+
+def tolerance(conditioning: float) -> float:
+    """How far from a golden value is still the same: MARGIN x EPSILON x conditioning, in the output's unit."""
+    return MARGIN * EPSILON * conditioning
+
+
+def agreed_digits(difference: float, scale: float) -> float:
+    """Decimal digits to which numbers of size `scale` that differ by `difference` agree, at most those of float64."""
+    most = -math.log10(EPSILON)
+    agreed = most if difference <= EPSILON * scale else min(most, -math.log10(difference / scale))
+    return math.floor(10 * agreed) / 10
+
+
+def canonical(record: Any) -> bytes:
+    """The bytes a digest is taken of: strict JSON, sorted keys, no spaces, floats as short as round-trips."""
+    return json.dumps(record, sort_keys=True, separators=(",", ":"), ensure_ascii=False, allow_nan=False).encode()
+
+
+def digest(record: Any) -> str:
+    """SHA-256 of `canonical`."""
+    return hashlib.sha256(canonical(record)).hexdigest()
+
+
+@dataclass(frozen=True)
+class Failure:
+    """`id` of the entry (or the file) that fell short, the `stage` if known, and `message` saying how."""
+
+    id: str
+    message: str
+    stage: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.id}: {self.message}"
+
+
+@dataclass(frozen=True)
+class Report:
+    """What was looked at: a row for each part of the set, how many golden numbers, what fell short."""
+
+    sets: list[dict[str, Any]]
+    values: int
+    failures: list[Failure] = field(default_factory=list)
+
+    @property
+    def ok(self) -> bool:
+        """Something was looked at and nothing fell short."""
+        return self.values > 0 and not self.failures
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One golden record and the file (relative to its set's folder) it is from."""
+
+    file: str
+    record: Mapping[str, Any]
+    arrays: Mapping[str, FloatArray] = field(default_factory=dict)
+
+    @property
+    def id(self) -> str:
+        """For ever its own."""
+        return str(self.record["id"])
+
+    @property
+    def stage(self) -> str:
+        """What of the chain it is about; a key of `goldenstages.STAGES`, or realization or ensemble."""
+        return str(self.record["stage"])
+
+    @cached_property
+    def input(self) -> dict[str, Any]:
+        """The inputs; arrays kept in an npz are read in."""
+        return {name: self._array(value) for name, value in self.record["input"].items()}
+
+    @cached_property
+    def output(self) -> dict[str, FloatArray]:
+        """The golden values as float64, NaN where they are null."""
+        return {name: np.array(self._array(value), dtype=np.float64) for name, value in self.record["output"].items()}
+
+    def tolerance(self, name: str) -> FloatArray:
+        """Of output `name`: one number, or one for each item of its first axis; infinite where it is null."""
+        given = np.asarray(self.record["accuracy"][name]["tolerance"], dtype=np.float64)
+        return given.reshape(given.shape + (1,) * (self.output[name].ndim - given.ndim if given.ndim else 0))
+
+    def _array(self, value: Any) -> Any:
+        if isinstance(value, dict) and set(value) == {"npz", "array"}:
+            return self.arrays[value["array"]]
+        return value
+
+    @property
+    def values(self) -> int:
+        """How many golden numbers it has."""
+        return int(sum(np.isfinite(v).sum() for v in self.output.values()))
+
+
+def locate(number: int = 1) -> Traversable:
+    """The folder of golden set `number`, as installed. Raises LeakrefError if there is none."""
+    folder = resources.files("leakref._golden").joinpath(f"v{number}")
+    if not folder.joinpath("manifest.json").is_file():
+        raise LeakrefError("golden.locate", f"there is no golden set number {number}", "choose another with --golden")
+    return folder
+
+
+class Golden:
+    """A set of golden values in `folder`. Files are read when asked for; `LeakrefError` if one cannot be."""
+
+    def __init__(self, folder: Traversable | None = None) -> None:
+        self.folder = locate() if folder is None else folder
+
+    def _read(self, name: str) -> bytes:
+        try:
+            return self.folder.joinpath(*name.split("/")).read_bytes()
+        except OSError as error:
+            raise LeakrefError("golden", f"{name} cannot be read ({type(error).__name__})",
+                               "put the file back: install again, or take it from version control") from None
+
+    def _json(self, name: str) -> Any:
+        try:
+            return json.loads(self._read(name), parse_constant=_no_constant, object_pairs_hook=_no_twins)
+        except ValueError as error:
+            if isinstance(error, LeakrefError):
+                raise
+            raise LeakrefError("golden", f"{name} is not strict JSON ({error})", "put the file back") from None
+
+    @cached_property
+    def manifest(self) -> dict[str, Any]:
+        """What the set says it holds."""
+        return dict(self._json("manifest.json"))
+
+    def file(self, name: str) -> list[Entry]:
+        """The entries of one JSON file of the set, with the arrays that lie beside it."""
+        beside = name.removesuffix(".json") + ".npz"
+        arrays: dict[str, FloatArray] = {}
+        if self.folder.joinpath(*beside.split("/")).is_file():
+            try:
+                with np.load(io.BytesIO(self._read(beside)), allow_pickle=False) as stored:
+                    arrays = {key: stored[key] for key in stored.files}
+            except Exception as error:  # zip, CRC, header: whatever an edited archive may raise
+                raise LeakrefError("golden", f"{beside} cannot be read ({error})", "put the file back") from None
+        return [Entry(name, record, arrays) for record in self._json(name)["entries"]]
+
+    def entries(self, *sets: str) -> Iterator[Entry]:
+        """The entries of the given parts (default: all there are) in the order of the manifest."""
+        for name in self.manifest["files"]:
+            if name.endswith(".json") and name != "schema.json" and (not sets or name.split("/")[0] in sets):
+                yield from self.file(name)
+
+    def entry(self, identifier: str) -> Entry:
+        """The entry of that id. Raises LeakrefError."""
+        for name, row in self.manifest["files"].items():
+            if identifier in row.get("entries", ()):
+                return next(entry for entry in self.file(name) if entry.id == identifier)
+        raise LeakrefError("golden", f"no golden value is called {identifier!r}", "`leakref golden lint --json` counts "
+                           "what there is; ids are in golden/v1/manifest.json")
+
+
+def _no_constant(name: str) -> float:
+    raise ValueError(f"{name} is not JSON")
+
+
+def _no_twins(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """A key given twice hides a number: refuse it."""
+    if len({key for key, _ in pairs}) != len(pairs):
+        raise ValueError(f"a key is there twice among {[key for key, _ in pairs][:6]}")
+    return dict(pairs)
+
+
+def entry_digest(entry: Entry) -> str:
+    """Of the record and of the arrays it names."""
+    used = sorted({value["array"] for part in ("input", "output") for value in entry.record[part].values()
+                   if isinstance(value, dict) and "npz" in value})
+    content = [canonical(entry.record)]
+    for name in used:
+        array = np.ascontiguousarray(entry.arrays[name], dtype="<f8")
+        content += [name.encode(), str(array.shape).encode(), array.tobytes()]
+    return hashlib.sha256(b"\0".join(content)).hexdigest()
+
+
+def compare(entry: Entry, found: Mapping[str, Any], route: str = "") -> list[Failure]:
+    """How `found`, arrays by output name, falls short of the golden values; empty if it agrees.
+
+    A number is wanted where there is one, and none (NaN) where the golden value is null with its reason.
+    """
+    by = f" by route {route}" if route else ""
+    failures = []
+    for name, golden in entry.output.items():
+        if name not in found:
+            failures.append(Failure(entry.id, f"{name} is missing{by}", entry.stage))
+            continue
+        mine = np.asarray(found[name], dtype=np.float64)
+        if mine.shape != golden.shape:
+            failures.append(Failure(entry.id, f"{name} has shape {mine.shape}{by}, but should be {golden.shape}",
+                                    entry.stage))
+            continue
+        with np.errstate(invalid="ignore"):
+            off = np.abs(mine - golden)
+            agrees = (off <= entry.tolerance(name)) | (np.isnan(golden) & np.isnan(mine))
+        if not agrees.all():
+            worst = np.unravel_index(int(np.argmax(np.where(agrees, -1.0, np.where(np.isnan(off), np.inf, off)))),
+                                     golden.shape)
+            allowed = np.broadcast_to(entry.tolerance(name), golden.shape)[worst]
+            where = list(map(int, worst))
+            failures.append(Failure(entry.id, f"{name}{where or ''} is {float(mine[worst])!r}{by}, but should be "
+                                    f"{float(golden[worst])!r} within {allowed:.2g}; {int((~agrees).sum())} of "
+                                    f"{golden.size} values differ. It is there for: {entry.record['purpose']}",
+                                    entry.stage))
+    return failures
+
+
+# ---------------------------------------------------------------- lint
+
+
+def lint(golden: Golden | None = None) -> Report:
+    """See that the set is whole and unchanged: schemas, counts, ids, digests, purposes, tolerances."""
+    golden = golden or Golden()
+    try:
+        manifest, schema = golden.manifest, golden._json("schema.json")
+    except LeakrefError as error:
+        return Report([], 0, [Failure("manifest.json", error.fault)])
+    failures = [Failure("manifest.json", message) for message in _manifest_faults(manifest, schema)]
+    if failures and not {"files", "parts"} <= set(manifest):
+        return Report([], 0, failures)
+    seen: dict[str, Entry] = {}
+    rows = {part["name"]: {"name": part["name"], "state": part["state"], "files": 0, "entries": 0, "values": 0}
+            for part in manifest["parts"]}
+    for name, row in manifest["files"].items():
+        try:
+            same = hashlib.sha256(golden._read(name)).hexdigest() == row["sha256"]
+            entries = golden.file(name) if "entries" in row else []
+        except (LeakrefError, KeyError, TypeError) as error:
+            fault = error.fault if isinstance(error, LeakrefError) else f"has no {error}"
+            ids = ", ".join(row.get("entries", ()))
+            failures.append(Failure(name, f"{fault}; it should hold {ids or 'no entries'}"))
+            continue
+        faults = [fault for entry in entries for fault in _entry_faults(entry, row, schema, seen)]
+        there = [entry.record.get("id") for entry in entries]
+        faults += [Failure(i, f"is missing from {name}") for i in row.get("entries", ()) if i not in there]
+        if not same and not faults:
+            faults = [Failure(name, "was changed (its SHA-256 is not the manifest's), though no entry was")]
+        failures += faults
+        part = rows.get(name.split("/")[0])
+        if part is not None and name.endswith(".json"):
+            part["files"] += 1
+            part["entries"] += len(entries)
+            part["values"] += sum(entry.values for entry in entries if not faults)
+    failures += _strays(golden, manifest)
+    for entry in seen.values():
+        old = entry.record.get("supersedes")
+        if old is not None and old not in seen:
+            failures.append(Failure(entry.id, f"supersedes {old!r}, which is not in the set", entry.stage))
+    for part in manifest["parts"]:
+        row = rows[part["name"]]
+        if not failures and (row["entries"], row["values"]) != (part["entries"], part["values"]):
+            failures.append(Failure("manifest.json", f"says {part['entries']} entries and {part['values']} values in "
+                                    f"{part['name']}, but there are {row['entries']} and {row['values']}"))
+    return Report(list(rows.values()), sum(row["values"] for row in rows.values()), failures)
+
+
+def _manifest_faults(manifest: dict[str, Any], schema: dict[str, Any]) -> Iterator[str]:
+    from jsonschema import Draft202012Validator
+
+    for error in Draft202012Validator({**schema, "$ref": "#/$defs/manifest"}).iter_errors(manifest):
+        yield f"{'/'.join(map(str, error.path)) or 'it'}: {error.message[:200]}"
+    if manifest.get("sha256") != digest({k: v for k, v in manifest.items() if k != "sha256"}):
+        yield "was changed: its own SHA-256 is not that of what it says"
+
+
+def _entry_faults(entry: Entry, row: Mapping[str, Any], schema: dict[str, Any],
+                  seen: dict[str, Entry]) -> Iterator[Failure]:
+    from jsonschema import Draft202012Validator
+
+    name = str(entry.record.get("id", f"an entry without id in {entry.file}"))
+    stage = str(entry.record.get("stage", ""))
+    error = next(iter(Draft202012Validator({**schema, "$ref": "#/$defs/entry"}).iter_errors(entry.record)), None)
+    if error is not None:
+        yield Failure(name, f"{'/'.join(map(str, error.path)) or 'it'}: {error.message[:200]}", stage)
+        return
+    if name in seen:
+        yield Failure(name, f"is there twice, in {seen[name].file} and in {entry.file}", stage)
+    seen[name] = entry
+    try:
+        changed = entry_digest(entry) != row["entries"].get(name)
+        shapes = {key: value.shape for key, value in entry.output.items()}
+    except (KeyError, ValueError, TypeError) as problem:
+        yield Failure(name, f"has an output that is no array ({problem})", stage)
+        return
+    if name not in row["entries"]:
+        yield Failure(name, f"is in {entry.file}, but not in the manifest", stage)
+    elif changed:
+        yield Failure(name, f"was changed in {entry.file}: its SHA-256 is not the manifest's", stage)
+    for key, accuracy in entry.record["accuracy"].items():
+        if key not in shapes:
+            yield Failure(name, f"states the accuracy of {key}, which it does not have", stage)
+            continue
+        conditioning = np.asarray(accuracy["conditioning"], dtype=np.float64)
+        allowed = np.asarray(accuracy["tolerance"], dtype=np.float64)
+        if conditioning.shape != allowed.shape or (conditioning.ndim and conditioning.shape != shapes[key][:1]):
+            yield Failure(name, f"{key}: conditioning, tolerance and values have different lengths", stage)
+        elif any(not (t == tolerance(c) or (math.isnan(c) and math.isnan(t)))
+                 for c, t in zip(conditioning.ravel(), allowed.ravel(), strict=True)):
+            yield Failure(name, f"{key}: the tolerance is not {MARGIN:g} x 2^-52 x conditioning", stage)
+        scale = float(np.nanmax(np.abs(entry.output[key]), initial=0.0))
+        most = max(float(np.nanmax(allowed, initial=0.0)), EPSILON * scale)
+        if scale > most and 10.0 ** -accuracy["digits"] * scale > 1.3 * most:
+            yield Failure(name, f"{key}: {accuracy['digits']} digits are fewer than the tolerance promises", stage)
+    for key in set(shapes) - set(entry.record["accuracy"]):
+        yield Failure(name, f"does not state the accuracy of {key}", stage)
+    for key, values in entry.output.items():
+        reasons = entry.record.get("reasons", {}).get(key, [""] * (values.shape[0] if values.ndim else 1))
+        for index, reason in enumerate(reasons):
+            if bool(reason) != bool(np.isnan(values[index] if values.ndim else values).any()):
+                yield Failure(name, f"{key}[{index}]: a null needs a reason, and a number none", stage)
+
+
+def _strays(golden: Golden, manifest: Mapping[str, Any]) -> Iterator[Failure]:
+    """Files in the set's folder that the manifest does not know."""
+    known = {*manifest["files"], "manifest.json"}
+
+    def walk(folder: Traversable, prefix: str) -> Iterator[str]:
+        for child in folder.iterdir():
+            if child.is_dir():
+                yield from walk(child, f"{prefix}{child.name}/")
+            else:
+                yield prefix + child.name
+
+    for name in sorted(walk(golden.folder, "")):
+        if name not in known and not name.endswith(".new.json"):
+            yield Failure(name, "is not in the manifest: remove it, or add it with `leakref golden regenerate`")

@@ -1,0 +1,94 @@
+"""What `leakref golden ...` prints."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+from leakref import LeakrefError
+from leakref._output import console, dump, envelope, folder, progress_bar
+from leakref.golden import Golden, Report, lint, locate
+
+__all__ = ["run_lint", "run_regenerate", "run_verify"]
+
+NOTHING_TO_JUDGE = 3
+
+
+def _opened(number: int, place: Path | None) -> Golden:
+    if place is not None and not place.is_dir():
+        raise LeakrefError("golden", f"there is no folder {place}", "give that of a golden set, such as golden/v1")
+    return Golden(locate(number) if place is None else place)
+
+
+def _shown(title: str, report: Report, json: bool, ok: bool, **fields: Any) -> None:
+    """The report on standard output, as JSON or as a table with a line for each failure."""
+    if json:
+        failures = [{"id": f.id, "stage": f.stage, "message": f.message} for f in report.failures]
+        print(dump(envelope("golden", ok, action=title, sets=report.sets, values=report.values, failures=failures,
+                            **fields)))
+        return
+    table = Table(title=f"golden {title}: {report.values} values")
+    for column in (report.sets or [{"name": ""}])[0]:
+        table.add_column(column, justify="left" if column in ("name", "state") else "right")
+    for row in report.sets:
+        table.add_row(*(str(value) for value in row.values()))
+    show = Console()
+    show.print(table)
+    for failure in report.failures:
+        show.print(f"[red]FAILS[/red]  {failure}", soft_wrap=True, highlight=False)
+    show.print("[green]holds[/green]" if ok else f"{len(report.failures)} fell short")
+
+
+def run_lint(number: int, place: Path | None, *, json: bool) -> bool:
+    """Whether the set is whole and unchanged."""
+    report = lint(_opened(number, place))
+    _shown("lint", report, json, report.ok)
+    return report.ok
+
+
+def run_verify(number: int, place: Path | None, *, full: bool, work: Path, workers: int, json: bool) -> int:
+    """0 if everything computed again agrees, 1 if not, 3 if there was nothing to compute."""
+    golden = _opened(number, place)
+    report = lint(golden)
+    if not report.failures:
+        from leakref import goldenmaking
+
+        kept = folder(work) if full else None
+        with progress_bar("golden entries", goldenmaking.count(golden, full)) as step:
+            report = goldenmaking.verify(golden, full=full, work=kept, workers=workers, step=step)
+    _shown("verify", report, json, report.ok, full=full)
+    return 0 if report.ok else 1 if report.failures else NOTHING_TO_JUDGE
+
+
+def run_regenerate(wanted: Sequence[str], number: int, place: Path | None, *, work: Path, workers: int,
+                   json: bool) -> bool:
+    """Whether nothing differs that was not named; see `goldenmaking.regenerate`."""
+    from leakref import goldenmaking
+
+    target = place or Path(str(locate(number)))
+    folder(work)
+    with progress_bar("golden entries", len(wanted) or len(goldenmaking.ids(*("vectors", "analytic")))) as step:
+        rows, settled = goldenmaking.regenerate(wanted, target, work=work, workers=workers, step=step)
+    report = lint(Golden(target)) if settled else Report([], 0)
+    ok = settled and not report.failures
+    if json:
+        _shown("regenerate", report, True, ok, changes=rows)
+        return ok
+    table = Table(title=f"golden regenerate: {len(rows)} entries computed, those that are not the same")
+    for column, justify in (("id", "left"), ("changed", "left"), ("largest", "right"), ("over tolerance", "right"),
+                            ("written", "left")):
+        table.add_column(column, justify=justify)  # type: ignore[arg-type]
+    for row in rows:
+        if row["change"] != "same":
+            figures = ["" if row[key] is None else f"{row[key]:.2g}" for key in ("largest", "over_tolerance")]
+            table.add_row(row["id"], row["change"], *figures, "yes" if row["written"] else "beside, as .new.json")
+    Console().print(table)
+    for failure in report.failures:
+        console().print(f"[red]FAILS[/red]  {failure}", soft_wrap=True)
+    if not settled:
+        console().print("Nothing was taken over: name the ids to have them written.")
+    return ok

@@ -1,0 +1,119 @@
+"""The house: who may import whom, what is public, and that a bare import is light."""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import inspect
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import leakref
+
+HOUSE = Path(leakref.__file__).parent
+MODULES = sorted(path.stem for path in HOUSE.glob("*.py") if path.stem != "__init__")
+HEAVY = ("numpy", "scipy", "matplotlib", "numba")
+# the table of the design, row by row; a row may use its own rooms and `_base`
+ROOMS = {"_base": set(), "grid": set(), "dispersion": set(), "sea": {"grid", "dispersion"},
+         "synthesis": {"sea", "grid", "dispersion"}, "window": {"grid"}, "spectrum": {"grid", "window"},
+         "leakage": {"grid", "window", "spectrum", "sea"}, "shell": {"spectrum", "dispersion", "window"},
+         "nsp": {"spectrum", "dispersion", "shell"}, "leastsquares": {"spectrum", "dispersion", "shell"}}
+ROOMS["chain"] = {room for room in ROOMS if room != "_base"}
+ABOVE = {"cases", "ensemble", "claims", "fast"}  # all of the above, and each other
+ROOMS |= {room: {*ROOMS, *ABOVE} for room in ABOVE if room in MODULES}
+
+
+def imported(module: str) -> set[str]:
+    """The rooms of leakref that a module's source mentions in an import, wherever it stands."""
+    rooms = set()
+    for node in ast.walk(ast.parse((HOUSE / f"{module}.py").read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{module} imports relatively: {ast.unparse(node)}"
+            names = [f"{node.module}.{alias.name}" for alias in node.names]
+        else:
+            continue
+        rooms |= {name.split(".")[1] for name in names if name.startswith("leakref.")}
+    return rooms & (set(MODULES) | {"certify", "golden", "properties"})
+
+
+@pytest.mark.parametrize("module", ROOMS)
+def test_rooms_import_only_what_the_design_allows(module):
+    assert imported(module) - {"_base"} <= ROOMS[module] - {module}
+
+
+def test_the_reader_of_imports_sees_every_form():
+    assert imported("chain") == {"_base", "grid", "leakage", "leastsquares", "nsp", "sea", "shell", "spectrum",
+                                 "synthesis", "window"}
+    assert imported("grid") == {"_base"}
+
+
+def light(code: str) -> set[str]:
+    """Which heavy packages are loaded after `code` ran in a fresh interpreter."""
+    report = f"\nimport sys; print('loaded:', *(set(sys.modules) & set({HEAVY})), file=sys.stderr)"
+    done = subprocess.run([sys.executable, "-c", code + report], capture_output=True, text=True, check=True)
+    return set(done.stderr.rpartition("loaded:")[2].split())
+
+
+def test_importing_leakref_loads_nothing_heavy():
+    assert light("import leakref; leakref.__version__; dir(leakref)") == set()
+    assert "numpy" in light("import leakref; leakref.Grid")  # the look-out sees what there is to see
+
+
+@pytest.mark.skipif("cli" not in MODULES, reason="no commands yet")
+@pytest.mark.parametrize("arguments", [["--help"], ["--version"]])
+def test_help_and_version_load_nothing_heavy(arguments):
+    code = (f"import sys; sys.argv = ['leakref', *{arguments}]\nfrom leakref.cli import main\n"
+            "try:\n    main()\nexcept SystemExit as end:\n    assert not end.code, end.code")
+    assert light(code) == set()
+
+
+def defined(module: str) -> set[str]:
+    """Public names that a module's source itself binds at its top level."""
+    names = set()
+    for node in ast.parse((HOUSE / f"{module}.py").read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.FunctionDef | ast.ClassDef):
+            names.add(node.name)
+        elif isinstance(node, ast.Assign | ast.AnnAssign):
+            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+            names |= {name.id for target in targets for name in ast.walk(target) if isinstance(name, ast.Name)}
+    return {name for name in names if not name.startswith("_")}
+
+
+@pytest.mark.parametrize("module", ROOMS)
+def test_all_is_true_and_complete(module):
+    exported = importlib.import_module(f"leakref.{module}").__all__
+    assert len(set(exported)) == len(exported)
+    assert set(exported) == defined(module)
+
+
+def test_all_names_of_the_package_resolve():
+    assert len(set(leakref.__all__)) == len(leakref.__all__)
+    assert dir(leakref) == sorted(leakref.__all__)
+    for name in leakref.__all__:
+        value = getattr(leakref, name)
+        home = getattr(value, "__module__", None)
+        if name != "__version__" and home in {f"leakref.{m}" for m in MODULES} and not name.islower():
+            assert name in sys.modules[home].__all__
+    with pytest.raises(AttributeError, match="no attribute 'nonsense'"):
+        leakref.nonsense  # noqa: B018
+
+
+@pytest.mark.parametrize("module", MODULES)
+def test_everything_public_has_a_docstring(module):
+    loaded = importlib.import_module(f"leakref.{module}")
+    assert loaded.__doc__
+    for name in loaded.__all__:
+        value = getattr(loaded, name)
+        if not (inspect.isfunction(value) or inspect.isclass(value)) or value.__module__ != loaded.__name__:
+            continue
+        assert value.__doc__, name
+        if inspect.isclass(value) and not getattr(value, "_is_protocol", False):
+            for member, part in vars(value).items():
+                function = part.fget if isinstance(part, property) else getattr(part, "__func__", part)
+                if not member.startswith("_") and inspect.isfunction(function):
+                    assert function.__doc__, f"{name}.{member}"

@@ -1,0 +1,142 @@
+"""The fast path against the plain chain: same numbers, same basins, same notes, same refusals."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from conftest import RECTANGULAR, waves_off_bins
+
+from leakref import Components, Grid, LeakrefError, SeaState, UniformCurrent, aligned_waves, leakage
+from leakref.chain import METHODS, analyse, shell_wavenumbers
+from leakref.fast import _Disc, _magnitudes, realize
+from leakref.shell import Note
+from leakref.window import WINDOWS
+
+SMALL = Grid.scaled(5, 10)
+UNSAFE = Note.ANOTHER_BASIN | Note.EDGE | Note.FLAT | Note.THRESHOLD
+
+
+def assert_same(components, grid, k, *, windows=("box", "hann"), reach=None, unit=1.0, **settings):
+    """Compare with the plain chain shell by shell, and return the notes of all shells."""
+    found = realize(components, grid, k, windows=windows, **settings)
+    assert list(found) == [(window, method) for window in windows for method in METHODS]
+    own = {"nsp": {"width", "half_width", "search", "peak_wavenumber"}, "ls": {"threshold", "half_width"}}
+    gravity = settings.pop("gravity", 1.0)
+    settings.setdefault("peak_wavenumber", 1.0)
+    notes = []
+    for window in windows:
+        spectrum = leakage.spectrum(components, grid, window, largest_wavenumber=reach)
+        for method in METHODS:
+            plain = analyse(spectrum, k, gravity=gravity, method=method,
+                            **{name: value for name, value in settings.items() if name in own[method]})
+            fast = found[window, method]
+            assert fast.method == method
+            assert fast.notes == plain.notes
+            assert np.array_equal(fast.wavenumbers, plain.wavenumbers)
+            tolerance = unit * np.where([bool(note & UNSAFE) for note in plain.notes], 1e-6, 1e-11)[:, None]
+            assert np.array_equal(np.isnan(fast.velocities), np.isnan(plain.velocities))
+            assert np.all(~(np.abs(fast.velocities - plain.velocities) > tolerance))
+            np.testing.assert_allclose(fast.score, plain.score, rtol=1e-9, atol=1e-12)
+            scale = np.nanmax(np.abs(plain.hessian), initial=0.0)
+            np.testing.assert_allclose(fast.hessian, plain.hessian, rtol=0, atol=1e-9 * scale)
+            np.testing.assert_allclose(fast.gradient, plain.gradient, rtol=0, atol=1e-9 * scale * unit)
+            assert np.all((fast.evaluations > 0) == (plain.evaluations > 0))
+            notes += fast.notes
+    return notes
+
+
+@pytest.mark.parametrize("off", [0.0, 1e-9, 0.3, 0.5])
+@pytest.mark.parametrize("grid", RECTANGULAR)
+def test_magnitudes_are_those_of_the_closed_form(grid, off):
+    disc = _Disc(grid, 0.99 * min(grid.nyquist[:2]))
+    i, j = disc.bins
+    waves = waves_off_bins(grid, off)
+    for name, magnitude in _magnitudes(waves, grid, list(WINDOWS.values()), disc).items():
+        plain = np.abs(leakage.spectrum(waves, grid, name).values[i, j])
+        np.testing.assert_allclose(magnitude / magnitude.max(), plain / plain.max(), rtol=0, atol=5e-15, err_msg=name)
+
+
+@pytest.mark.parametrize(("spread", "direction", "peakedness", "current"), [
+    (60, 75, 3.3, (0.0, 0.0)), (15, 90, 7.0, (0.0, 0.0)), (30, 60, 1.0, (0.1, -0.11)), (15, 75, 3.3, (-0.05, 0.02))])
+def test_same_velocities_and_notes_as_the_plain_chain(spread, direction, peakedness, current):
+    sea = SeaState(direction, spread, peakedness, 5, UniformCurrent(current))
+    k = shell_wavenumbers(SMALL)[::2]
+    for realization in range(2):
+        assert_same(sea.components(realization), SMALL, k, windows=("box", "hann", "blackman"))
+
+
+def test_same_for_a_rotated_sea_that_is_no_lattice():
+    sea = SeaState(75, 60, length=5).components(1).rotated(37, (15.0, 16.0))
+    assert sea.separated() is None
+    assert_same(sea, SMALL, shell_wavenumbers(SMALL)[::4], windows=("hann",))
+
+
+def test_same_where_nothing_is_square_or_even_and_in_other_units():
+    grid = Grid((141, 100, 125), (0.217 * 20, 0.31 * 20, 0.46 * np.sqrt(20 / 9.81)))
+    sea = SeaState(65, 40, length=5, current=UniformCurrent((0.05, 0.03))).components(2)
+    waves = Components(sea.kx / 20, sea.ky / 20, sea.omega * np.sqrt(9.81 / 20), sea.amplitude, sea.phase)
+    assert_same(waves, grid, np.array([0.6, 1.3, 2.2]) / 20, gravity=9.81, peak_wavenumber=1 / 20, unit=14.0)
+
+
+@pytest.mark.parametrize("settings", [{"width": 2.0}, {"width": 6.5, "half_width": 1.0}, {"threshold": 0.6},
+                                      {"search": False}, {"peak_wavenumber": 1.7}])
+def test_same_under_other_settings(settings):
+    assert_same(SeaState(75, 30, length=5).components(0), SMALL, [0.8, 1.4, 2.6], **settings)
+
+
+def test_same_where_the_gaussian_is_clipped_at_the_nyquist_frequency():
+    grid = Grid((140, 140, 46), (SMALL.spacing[0], SMALL.spacing[1], 1.4))
+    sea = SeaState(75, 60, length=5, current=UniformCurrent((0.1, 0.1)))
+    assert_same(sea.components(0), grid, [0.8, 1.6, 2.4, 3.0])
+
+
+def test_same_notes_for_shells_without_a_wave_and_for_few_waves():
+    components, _ = aligned_waves(SMALL, [(5, 3, 11), (-3, 6, 12)])
+    notes = assert_same(components, SMALL, [1.2, 2.8])
+    assert any(Note.NO_SIGNAL in note for note in notes)
+    one = Components(components.kx[:1] * 1.03, components.ky[:1], components.omega[:1] * 1.02, [1.0], [0.4])
+    notes = assert_same(one, SMALL, [1.2, 2.8])
+    assert any(Note.LEAKAGE_FLOOR in note for note in notes)
+
+
+def test_same_with_a_window_that_is_no_cosine_sum():
+    assert_same(SeaState(75, 60, length=5).components(0), SMALL, [1.0, 2.0], windows=("kaiser-bessel",))
+
+
+def test_other_basins_are_found_where_the_plain_chain_finds_them():
+    sea = SeaState(90, 15, length=5)
+    notes = [note for realization in (1, 22)
+             for note in assert_same(sea.components(realization), SMALL, shell_wavenumbers(SMALL)[6::2], windows=("box",))]
+    assert any(Note.ANOTHER_BASIN in note for note in notes)
+
+
+def test_same_input_same_bits_and_untouched():
+    waves = SeaState(75, 60, length=5).components(0)
+    before = {name: getattr(waves, name).copy() for name in waves.__dataclass_fields__}
+    first, second = (realize(waves, SMALL, [1.0, 1.4]) for _ in range(2))
+    backwards = realize(waves, SMALL, [1.4, 1.0], windows=("hann", "box"), methods=("ls", "nsp"))
+    for key, record in first.items():
+        assert np.array_equal(record.velocities, second[key].velocities)
+        assert np.array_equal(record.velocities, backwards[key].velocities[::-1])
+    assert all(np.array_equal(getattr(waves, name), value) for name, value in before.items())
+
+
+@pytest.mark.parametrize(("arguments", "message"), [
+    ({"windows": ("hamming",)}, "no window named 'hamming'"), ({"methods": ("psd",)}, "no method named 'psd'"),
+    ({"wavenumbers": [13.9]}, "past the Nyquist wavenumber"), ({"wavenumbers": []}, "wavenumbers is empty"),
+    ({"wavenumbers": [0.05], "half_width": 0.1}, "no bin lies within"), ({"wavenumbers": [np.nan]}, "not finite"),
+    ({"width": 0.0}, "width"), ({"gravity": -1.0}, "gravity"), ({"threshold": 1.5}, "threshold = 1.5")])
+def test_refusals(arguments, message):
+    arguments = {"wavenumbers": [1.0], **arguments}
+    with pytest.raises(LeakrefError, match=message):
+        realize(SeaState(length=5).components(0), SMALL, **arguments)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("length", "duration"), [(10, 20), (10, 80), (20, 20)])
+@pytest.mark.parametrize("spread", [15, 60])
+def test_same_for_larger_domains(length, duration, spread):
+    grid = Grid.scaled(length, duration)
+    sea = SeaState(75, spread, 3.3, length, UniformCurrent((0.1, 0.1))).components(1)
+    k = shell_wavenumbers(grid)[:: 2 if length == 10 else 6]
+    assert_same(sea, grid, k, reach=k.max() + 3 * grid.wavenumber_resolution)
