@@ -190,6 +190,17 @@ def golden_regenerate(
     return run_regenerate(ids or [], golden, place, work=work, workers=workers or os.cpu_count() or 1, json=json)
 
 
+@command(UPKEEP)
+def bench(
+    out: Annotated[Path, typer.Option(help="Folder for the table and the picture.")] = Path("leakref-bench"),
+    json: Json = False,
+) -> bool:
+    """Timings of every stage, as ratios within one run (a few minutes)."""
+    from leakref.bench import run
+
+    return run(out, json=json)
+
+
 def main() -> None:
     """Entry point of the `leakref` command."""
     for stream in (sys.stdout, sys.stderr):  # a pipe may be ASCII, and figures carry degrees and deltas

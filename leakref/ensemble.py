@@ -8,11 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from leakref import fast
 from leakref._base import FloatArray, IntArray
 from leakref.cases import Configuration
 from leakref.chain import METHODS, analyse, transform
 from leakref.dispersion import velocity_resolutions
-from leakref.shell import HALF_WIDTH, Extraction, Note
+from leakref.shell import Extraction, Note
 
 __all__ = ["Ensemble", "realize"]
 
@@ -92,9 +93,12 @@ def _mean(values: FloatArray) -> FloatArray:
 
 def realize(configuration: Configuration, realization: int, *, methods: Sequence[str] = tuple(METHODS),
             route: str = "B") -> dict[tuple[str, str], Extraction]:
-    """One realisation: an Extraction for each (window, method), by route A (surface and FFT) or B (closed form)."""
-    grid, k = configuration.grid, configuration.wavenumbers
-    reach = float(k[-1]) + (HALF_WIDTH + 1) * grid.wavenumber_resolution
-    spectra = transform(configuration.components(realization), grid, configuration.windows, route=route,
-                        largest_wavenumber=reach)
+    """One realisation: an Extraction for each (window, method), by route A (surface and FFT) or B (closed form).
+
+    Route A is the plain chain, route B its compiled twin.
+    """
+    waves, grid, k = configuration.components(realization), configuration.grid, configuration.wavenumbers
+    if route == "B":
+        return fast.realize(waves, grid, k, windows=configuration.windows, methods=methods)
+    spectra = transform(waves, grid, configuration.windows, route=route)
     return {(s.window, method): analyse(s, k, method=method) for s in spectra for method in methods}

@@ -600,32 +600,39 @@ def _climb(ring, models, c, d):
 
 @_summing
 def _pool(table):
-    """The largest within _POOL = 8 places along each row, and of each row."""
-    pooled, tops, work = np.zeros_like(table), np.empty(table.shape[0]), np.empty(table.shape[1], dtype=table.dtype)
-    for n in range(table.shape[0]):
-        work[:], size = table[n], table.shape[1]
-        for shift in (1, 2, 4, 8, 1):
-            size -= shift
-            for m in range(size):
-                work[m] = work[m] if work[m] > work[m + shift] else work[m + shift]
-        pooled[n, _POOL : _POOL + size] = work[:size]
-        tops[n] = work[:size:_POOL].max()
+    """Fill in the lower half of the table of scores from the upper: P(-k, -omega) = P(k, omega).
+
+    Returns for every fourth place the largest within _POOL = 8 of it or the next three, and that of each row.
+    """
+    n, size = table.shape
+    cells = size // 4 + 1
+    pooled, tops, work = np.empty((n, cells), dtype=table.dtype), np.zeros(n), np.zeros(cells + 4, dtype=table.dtype)
+    for row in range(n):
+        table[row, : size // 2] = table[n - 1 - row, : size // 2 : -1]
+        for q in range(size // 4):
+            part = table[row, 4 * q : 4 * q + 4]
+            work[2 + q] = max(max(part[0], part[1]), max(part[2], part[3]))
+        work[1 + cells] = table[row, 4 * (cells - 1) :].max() if size % 4 else 0.0
+        for q in range(cells):
+            pooled[row, q] = max(max(max(work[q], work[q + 1]), max(work[q + 3], work[q + 4])), work[q + 2])
+            tops[row] = max(tops[row], pooled[row, q])
     return pooled, tops
 
 
 @_summing
-def _drop(table, middle, columns, base, kx, ky, rest, x, y, scores, bar):
+def _drop(table, columns, base, kx, ky, rest, x, y, scores, bar):
     """Add up the table for all columns at the velocities x, y, keeping those that can still reach `bar`. Their number.
 
     `rest`: how much the columns after each may add at most. x, y and scores are shortened in place.
     """
-    live, last = x.size, table.shape[1] - 1
+    live, last, place = x.size, np.int32(table.shape[1] - 1), np.empty(x.size, dtype=np.int32)
     scores[:] = 0.0
     for n in range(columns.size):
-        row = table[columns[n]]
-        a, b, c = kx[n], ky[n], base[n] + middle + 0.5
+        row, a, b, c = table[columns[n]], kx[n], ky[n], base[n]
         for p in range(live):
-            scores[p] += row[min(max(int(a * x[p] + b * y[p] + c), 0), last)]
+            place[p] = min(max(np.int32(a * x[p] + b * y[p] + c), np.int32(0)), last)
+        for p in range(live):
+            scores[p] += row[place[p]]
         if n % 8 == 7 or n == columns.size - 1:
             kept = 0
             for p in range(live):
@@ -641,18 +648,18 @@ def _peaks(ring, order, tops, table, pooled, reach, found, best):
     """The starts of nsp._another_basin: up to six maxima of a coarse score on a lattice, strongest first, best (7, 3).
 
     `table` holds each column's part of the score by centre, an eighth of the width apart; `pooled` the largest part
-    within _POOL of each, which bounds the score of three by three points at once.
+    within _POOL of every fourth, which bounds the score of three by three points at once.
     """
     step, middle = ring.width / 8, table.shape[1] // 2
     spacing = ring.width / (2 * ring.wavenumber)
     columns, unit = ring.columns[order], spacing / step
-    base, kx, ky = ring.centre[order] / step, ring.kx[order] * unit, ring.ky[order] * unit
+    base, kx, ky = ring.centre[order] / step + middle + 0.5, ring.kx[order] * unit, ring.ky[order] * unit
     rest = np.zeros(order.size)
     for n in range(order.size - 1, 0, -1):
         rest[n - 1] = rest[n] + tops[n]
     own = 0.0
     for n in range(order.size):
-        place = int((kx[n] * found[0] + ky[n] * found[1]) / spacing + base[n] + middle + 0.5)
+        place = int((kx[n] * found[0] + ky[n] * found[1]) / spacing + base[n])
         own += table[columns[n], min(max(place, 0), 2 * middle)]
     bar, m = 0.85 * own, int(np.ceil(reach / spacing))
     block = 3 if (np.sqrt(2) * ring.largest * unit + 1 <= _POOL) else 1
@@ -666,7 +673,7 @@ def _peaks(ring, order, tops, table, pooled, reach, found, best):
                 count += 1
     x, y, scores = x[:count], y[:count], np.empty(count)
     if block > 1:
-        count = _drop(pooled, middle, columns, base, kx, ky, rest, x, y, scores, bar)
+        count = _drop(pooled, columns, base / 4, kx / 4, ky / 4, rest, x, y, scores, bar)
         fine_x, fine_y, fine = np.empty(9 * count), np.empty(9 * count), 0
         for n in range(count):
             for p in range(-1, 2):
@@ -674,7 +681,7 @@ def _peaks(ring, order, tops, table, pooled, reach, found, best):
                     fine_x[fine], fine_y[fine] = x[n] + p, y[n] + q
                     fine += np.hypot(x[n] + p, y[n] + q) * spacing <= reach
         x, y, scores = fine_x[:fine], fine_y[:fine], np.empty(fine)
-    count = _drop(table, middle, columns, base, kx, ky, rest, x, y, scores, bar)
+    count = _drop(table, columns, base, kx, ky, rest, x, y, scores, bar)
     grid = np.zeros((2 * m + 3, 2 * m + 3))
     for n in range(count):
         grid[m + 1 + int(x[n]), m + 1 + int(y[n])] = scores[n]
@@ -776,8 +783,10 @@ def _lobes(window: str, size: int) -> FloatArray:
 class _Seen:
     """The magnitudes under one window, and the two extractions from a shell of them."""
 
-    def __init__(self, disc: _Disc, window: str, magnitude: FloatArray, width: float) -> None:
-        self.disc, self.magnitude, self.width, grid = disc, magnitude, width, disc.grid
+    def __init__(self, disc: _Disc, window: str, magnitude: FloatArray, rings: list[_Ring]) -> None:
+        self.disc, self.magnitude, self.width, grid = disc, magnitude, rings[0].width, disc.grid
+        fastest = max(ring.centre.max() + ring.largest * nsp._REACH * ring.unit for ring in rings)
+        self.furthest = min(fastest, magnitude.shape[1] + 5 * self.width)  # that a centre may be
         self.step, self.even, m = grid.frequency_resolution, grid.shape[2] % 2 == 0, grid.bins(2)
         self.weight = np.where((m == 0) | (2 * m == grid.shape[2]), 0.5, 1.0)
         self.sums, self.largest = magnitude @ self.weight, magnitude.max(axis=1)
@@ -839,22 +848,21 @@ class _Seen:
     def _table(self) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32], FloatArray]:
         """Each column's part of the score by the centre of the Gaussian, from -p to p eighths of the width.
 
-        Also its largest value within _POOL of each centre, and at all. In single precision: it only chooses starts.
+        Also its largest values nearby, and at all (_pool). In single precision: it only chooses starts.
         """
         eighth, (n, nw) = self.width / 8, self.magnitude.shape
-        p, pad = int((nw + 5 * self.width) / eighth) + _POOL, int(np.ceil(_CUT * self.width)) + 1
-        f = np.zeros((n, pad + int(p * eighth) + 2 + pad), dtype=np.float32)
+        p, pad = int(self.furthest / eighth) + 2 + _POOL, int(np.ceil(_CUT * self.width)) + 1
+        f = np.zeros((n, pad + max(nw, int(p * eighth) + 2 + pad)), dtype=np.float32)
         f[:, pad : pad + nw] = self.magnitude
         f[:, :pad] = self.magnitude[::-1, pad:0:-1]
         if self.even:
             f[:, pad + nw - 1] *= 0.5
         table = np.empty((n, 2 * p + 1), dtype=np.float32)
-        for a in range(0, p + 1, 64):
-            centres = np.arange(a, min(a + 64, p + 1)) * eighth
+        for a in range(0, p + 1, 32):
+            centres = np.arange(a, min(a + 32, p + 1)) * eighth
             low, high = int(centres[0]), int(centres[-1]) + 2 * pad
             g = np.exp(-2 * ((np.arange(low, high + 1)[:, None] - pad - centres) / self.width) ** 2)
-            table[:, p + a : p + a + centres.size] = f[:, low : high + 1] @ g.astype(np.float32)
-        table[:, :p] = table[::-1, :p:-1]  # P(-k, -omega) = P(k, omega)
+            np.matmul(f[:, low : high + 1], g.astype(np.float32), out=table[:, p + a : p + a + centres.size])
         return table, *_pool(table)
 
     def ls(self, ring: _Ring, threshold: float) -> Optimum:
@@ -925,7 +933,7 @@ def realize(components: Components, grid: Grid, wavenumbers: npt.ArrayLike, *,
     rings = _rings(disc, k, gravity, peak_wavenumber, width, half_width)
     found = {}
     for name, magnitude in _magnitudes(components, grid, tapers, disc).items():
-        seen = _Seen(disc, name, magnitude, width)
+        seen = _Seen(disc, name, magnitude, rings)
         for method in methods:
             optima = [seen.nsp(ring, search) if method == "nsp" else seen.ls(ring, threshold) for ring in rings]
             found[name, method] = collect(method, k, optima)

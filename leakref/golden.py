@@ -252,12 +252,18 @@ def lint(golden: Golden | None = None) -> Report:
     """See that the set is whole and unchanged: schemas, counts, ids, digests, purposes, tolerances."""
     golden = golden or Golden()
     try:
-        manifest, schema = golden.manifest, golden._json("schema.json")
+        manifest, schema, as_stored = golden.manifest, golden._json("schema.json"), golden._read("schema.json")
+        if hashlib.sha256(as_stored).hexdigest() != manifest["files"]["schema.json"]["sha256"]:
+            return Report([], 0, [Failure("schema.json", "was changed: its SHA-256 is not the manifest's")])
     except LeakrefError as error:
         return Report([], 0, [Failure("manifest.json", error.fault)])
-    failures = [Failure("manifest.json", message) for message in _manifest_faults(manifest, schema)]
-    if failures and not {"files", "parts"} <= set(manifest):
+    except (KeyError, TypeError, ValueError):
+        return Report([], 0, [Failure("manifest.json", "does not say which files the set has")])
+    failures = [Failure("manifest.json", message) for message in _schema_faults(manifest, schema, "manifest")]
+    if failures:
         return Report([], 0, failures)
+    if manifest["sha256"] != digest({key: value for key, value in manifest.items() if key != "sha256"}):
+        failures.append(Failure("manifest.json", "was changed: its own SHA-256 is not that of what it says"))
     seen: dict[str, Entry] = {}
     rows = {part["name"]: {"name": part["name"], "state": part["state"], "files": 0, "entries": 0, "values": 0}
             for part in manifest["parts"]}
@@ -283,6 +289,9 @@ def lint(golden: Golden | None = None) -> Report:
             part["values"] += sum(entry.values for entry in entries if not faults)
     failures += _strays(golden, manifest)
     for entry in seen.values():
+        unknown = sorted(set(entry.record["decisions"]) - set(manifest["decisions"]))
+        if unknown:
+            failures.append(Failure(entry.id, f"depends on {unknown}, which the manifest does not list", entry.stage))
         old = entry.record.get("supersedes")
         if old is not None and old not in seen:
             failures.append(Failure(entry.id, f"supersedes {old!r}, which is not in the set", entry.stage))
@@ -294,24 +303,21 @@ def lint(golden: Golden | None = None) -> Report:
     return Report(list(rows.values()), sum(row["values"] for row in rows.values()), failures)
 
 
-def _manifest_faults(manifest: dict[str, Any], schema: dict[str, Any]) -> Iterator[str]:
+def _schema_faults(record: Any, schema: dict[str, Any], kind: str) -> Iterator[str]:
+    """Where a record is not what the schema says of its `kind`, manifest or entry."""
     from jsonschema import Draft202012Validator
 
-    for error in Draft202012Validator({**schema, "$ref": "#/$defs/manifest"}).iter_errors(manifest):
+    for error in Draft202012Validator({**schema, "$ref": f"#/$defs/{kind}"}).iter_errors(record):
         yield f"{'/'.join(map(str, error.path)) or 'it'}: {error.message[:200]}"
-    if manifest.get("sha256") != digest({k: v for k, v in manifest.items() if k != "sha256"}):
-        yield "was changed: its own SHA-256 is not that of what it says"
 
 
 def _entry_faults(entry: Entry, row: Mapping[str, Any], schema: dict[str, Any],
                   seen: dict[str, Entry]) -> Iterator[Failure]:
-    from jsonschema import Draft202012Validator
-
     name = str(entry.record.get("id", f"an entry without id in {entry.file}"))
     stage = str(entry.record.get("stage", ""))
-    error = next(iter(Draft202012Validator({**schema, "$ref": "#/$defs/entry"}).iter_errors(entry.record)), None)
-    if error is not None:
-        yield Failure(name, f"{'/'.join(map(str, error.path)) or 'it'}: {error.message[:200]}", stage)
+    fault = next(_schema_faults(entry.record, schema, "entry"), None)
+    if fault is not None:
+        yield Failure(name, fault, stage)
         return
     if name in seen:
         yield Failure(name, f"is there twice, in {seen[name].file} and in {entry.file}", stage)

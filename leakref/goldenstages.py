@@ -501,9 +501,9 @@ def velocity_conditioning(spectrum: Spectrum, found: Extraction, rounding: float
     """Of the velocity at each wavenumber (n,), NaN where there is none; `rounding` of S, in 2^-52 of its largest.
 
     NSP: the roundings of F move the gradient of N, and the inverse of its Hessian turns that into velocity; besides,
-    those of omega over k. LS: those of omega, through the pseudo-inverse of the wavenumbers of the strong bins. That all
-    roundings are as large as those of the strongest bin is too much where the shell is far below it: the figure for
-    the curvature, `UNFLAGGED` times `softness`, is the most that is allowed.
+    those of omega over k. LS: those of omega, through the pseudo-inverse of the wavenumbers of the strong bins. To take
+    all roundings as large as those of the strongest bin is too much where the shell is far below it: the figure for the
+    curvature, `UNFLAGGED` times `softness`, is the most that is allowed.
     """
     largest = spectrum.strongest[0] * rounding
     result = []

@@ -107,6 +107,8 @@ def _small() -> list[Vector]:
         Vector("grid-rounded", "scaled-grid", MODERATE,
                "a domain that is no whole number of samples: spacing gives way, "
                "not length", {"length": 7.33, "duration": 11.07}, decisions=("D9",)),
+        Vector("grid-first-shell", "scaled-grid", HARD, "5 dk is 0.397, just below 0.4: not a shell",
+               {"length": 12.6, "duration": 10.1}, decisions=("D9",)),
         Vector("grid-last-shell", "scaled-grid", HARD, "50 dk is 3.521, just beyond 3.5: not a shell",
                {"length": 14.2, "duration": 12.3}, decisions=("D9",)),
         Vector("bins-oblong", "bins", EASY, "axes of even and odd size, dkx != dky; n d and not (n - 1) d",
@@ -143,7 +145,8 @@ def _small() -> list[Vector]:
         Vector("jonswap-7", "jonswap", MODERATE, "a sharp peak: gamma to the power of a Gaussian, with its 1/2",
                {"frequency": w, "peakedness": 7.0}),
         Vector("spreading-60", "spreading", EASY, "full width, not half width: zero from 30 degrees off",
-               {"direction": [40.0, 44.8, 45.2, 58.0, 75.0, 88.0, 103.0, 104.8, 105.2, -80.0], "mean": 75.0, "spread": 60.0}),
+               {"direction": [40.0, 44.8, 45.2, 58.0, 75.0, 88.0, 103.0, 104.8, 105.2, -80.0], "mean": 75.0,
+               "spread": 60.0}),
         Vector("spreading-15", "spreading", MODERATE, "the narrowest sea of the paper",
                {"direction": [67.0, 68.0, 71.0, 75.0, 81.0, 83.0], "mean": 75.0, "spread": 15.0}),
         Vector("spreading-wrapped", "spreading", HARD, "a mean direction where angles jump from 180 to -180 degrees",

@@ -17,8 +17,8 @@ from leakref.shell import EDGE_MARGIN, HALF_WIDTH, Extraction, Note
 from leakref.spectrum import Spectrum
 from leakref.window import window
 
-__all__ = ["FINE", "LEAKAGE", "LEAKED_SHARE", "NO_SIGNAL", "SIGNAL", "Screening", "Turned", "leaked_share", "rotate",
-           "screen", "shells_with_signal", "turned"]
+__all__ = ["FINE", "LEAKAGE", "LEAKED_SHARE", "NOISE", "NO_SIGNAL", "SIGNAL", "Screening", "Turned", "leaked_share",
+           "rotate", "screen", "shells_with_signal", "turned"]
 
 FINE, LEAKAGE, NO_SIGNAL = "fine", "leakage", "no signal"
 SIGNAL = 1e-2

@@ -250,7 +250,7 @@ def _summary(s: screen.Screening) -> str:
     said = ", ".join(f"{verdict} at {count}" for verdict, count in counts.items())
     if not counts[screen.LEAKAGE]:
         return f"Screen, of {len(s.verdicts)} wavenumbers: {said}."
-    return (f"Screen, of {len(s.verdicts)} wavenumbers: {said}. Where there is leakage, the untapered velocity is off "
+    return (f"Screen, of {len(s.verdicts)} wavenumbers: {said}. Where there is leakage, the untapered velocity changes "
             "by more than both resolutions: use the tapered one.")
 
 
