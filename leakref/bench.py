@@ -128,12 +128,13 @@ def _growth(base: Configuration) -> list[Row]:
     """Cost against L, T, realisations and workers, each with the exponent of a power law through the ends."""
     rows = []
     for name, values in (("length", (5.0, 10.0, 20.0)), ("duration", (10.0, 20.0, 80.0))):
-        times = [_fast(replace(base, **{name: value}), 1 if value >= 20 else 3) for value in values]
+        grown: list[dict[str, Any]] = [{name: value} for value in values]
+        times = [_fast(replace(base, **one), 1 if max(one.values()) >= 20 else 3) for one in grown]
         power = np.polyfit(np.log(values), np.log(times), 1)[0]
         rows += [Row(f"realization at {name} {value:g}", time, f"{name} {values[0]:g}; cost grows as power {power:.1f}",
                      times[0] / time) for value, time in zip(values, times, strict=True)]
     small = replace(base, length=5.0, duration=10.0)
-    times = [seconds(lambda count=count: list(runs.run([small], realizations=count)), 1) for count in (20, 80)]
+    times = [seconds(partial(_run, small, count), 1) for count in (20, 80)]
     power = np.log(times[1] / times[0]) / np.log(4)
     rows.append(Row("80 small realizations", times[1], f"20 of them; cost grows as power {power:.2f}",
                     times[0] / times[1]))
@@ -143,6 +144,10 @@ def _growth(base: Configuration) -> list[Row]:
     rows.append(Row("40 realizations, two workers", two, "one worker",
                     seconds(lambda: list(runs.run([base], realizations=40)), 1) / two))
     return rows
+
+
+def _run(configuration: Configuration, count: int) -> None:
+    list(runs.run([configuration], realizations=count))
 
 
 def _direct(waves: Components, x: np.ndarray, y: np.ndarray, t: np.ndarray) -> np.ndarray:
@@ -169,7 +174,7 @@ def _alternatives(configuration: Configuration) -> list[Row]:
         except ModuleNotFoundError:
             continue
         rows.append(Row("synthesis of the surface", ours, f"{package}, one 2D transform a frame, to 1e-12",
-                        seconds(lambda library=library, work=work: work(library, waves, grid, axes[2]), 1) / ours))
+                        seconds(partial(work, library, waves, grid, axes[2]), 1) / ours))
     cube = np.random.default_rng(0).standard_normal(grid.shape)
     ours = seconds(lambda: fourier(cube, grid, "box"))
     rows.append(Row("FFT of the surface", ours, "numpy.fft.rfftn", seconds(lambda: np.fft.rfftn(cube), 1) / ours))

@@ -227,13 +227,16 @@ def _statistics(e: Ensemble) -> dict[str, FloatArray]:
     return {name: np.asarray(getattr(e, name), dtype=np.float64) for name in _STATISTICS}
 
 
-def _ensembles(c: Configuration, found: Sequence[Ensemble]) -> list[dict[str, Any]]:
-    """Records of the ensembles of a configuration: route B, confirmed by the realisations done by A as well."""
-    worse = _worse(c, found)
+def _ensembles(c: Configuration, found: Sequence[Ensemble],
+               worse: Sequence[Mapping[tuple[str, str], list[float]]]) -> list[dict[str, Any]]:
+    """Records of the ensembles of a configuration: route B, confirmed by the realisations done by A as well.
+
+    `worse`, one for each realisation, is what `_softnesses` says of its velocities.
+    """
     records = []
     for e in found:
         name = (e.window, e.method)
-        per_velocity = UNFLAGGED / tolerance(1.0) * worse[name]  # (R, n)
+        per_velocity = UNFLAGGED / tolerance(1.0) * np.array([one[name] for one in worse])  # (R, n)
         there = np.isfinite(e.magnitudes)
         mean = np.where(there, per_velocity, 0).sum(axis=0) / np.maximum(e.count, 1)
         spread = 2 * np.sqrt(np.where(there, per_velocity**2, 0).sum(axis=0) / np.maximum(e.count - 1, 1))
@@ -250,17 +253,13 @@ def _ensembles(c: Configuration, found: Sequence[Ensemble]) -> list[dict[str, An
     return records
 
 
-def _worse(c: Configuration, found: Sequence[Ensemble]) -> dict[tuple[str, str], FloatArray]:
-    """By how much each velocity (R, n) is worse conditioned than in an unflagged shell: more than 1 if flat."""
-    result: dict[tuple[str, str], FloatArray] = {(e.window, e.method): np.ones(e.magnitudes.shape) for e in found}
-    flat = sorted({int(r) for e in found if e.method == "nsp" for r in np.flatnonzero(
-        ((e.notes & Note.FLAT.value) != 0).any(axis=1))})
-    for number in flat:
-        for (window, method), one in ensemble.realize(c, number, methods=("nsp",), route="B").items():
-            for n, (score, hessian) in enumerate(zip(one.score, one.hessian, strict=True)):
-                if np.isfinite(score):
-                    result[window, method][number, n] = softness(method, float(score), hessian)
-    return result
+def _softnesses(c: Configuration, number: int) -> dict[tuple[str, str], list[float]]:
+    """By how much each velocity of a realisation is worse conditioned than `UNFLAGGED`; 1 where there is none."""
+    with threadpool_limits(limits=1):
+        found = ensemble.realize(c, number, route="B")
+    return {(window, method): [softness(method, float(score), hessian) if np.isfinite(score) else 1.0
+                               for score, hessian in zip(one.score, one.hessian, strict=True)]
+            for (window, method), one in found.items()}
 
 
 # ---------------------------------------------------------------- what there is to make
@@ -301,7 +300,9 @@ def _make(wanted: Sequence[str], work: Path | None, workers: int, step: Step) ->
     with runs.pool(workers) as executor:
         for found in runs.run(configurations, realizations=REALIZATIONS, folder=work and work / "runs",
                               executor=executor):
-            for record in _ensembles(found[0].configuration, found):
+            c = found[0].configuration
+            soft = (map if executor is None else executor.map)(partial(_softnesses, c), range(REALIZATIONS))
+            for record in _ensembles(c, found, list(soft)):
                 if record["id"] in rest:
                     yield record
                     step()

@@ -9,10 +9,13 @@ from leakref._base import LeakrefError
 from leakref.shell import HALF_WIDTH, Extraction, Note, Optimum, Shell, checked_wavenumbers, collect, nothing, shell_at
 from leakref.spectrum import Spectrum
 
-__all__ = ["THRESHOLD", "extract", "optimum"]
+__all__ = ["SOFT", "THRESHOLD", "extract", "optimum"]
 
 THRESHOLD = 0.2
 """Bins below this part of the shell's own largest power are discarded (app:numdetails, decision D7)."""
+
+SOFT = 1e-3
+"""Softest over stiffest direction of C: below, the bins lie almost on one line and hardly fix the current across it."""
 
 
 def optimum(shell: Shell, threshold: float = THRESHOLD) -> Optimum:
@@ -34,8 +37,10 @@ def optimum(shell: Shell, threshold: float = THRESHOLD) -> Optimum:
         note |= Note.THRESHOLD
     if column.size < 2:
         note |= Note.TOO_FEW_BINS
+    if soft < SOFT * stiff:
+        note |= Note.FLAT
     if soft <= 1e-9 * stiff:
-        return nothing(note | Note.FLAT)
+        return nothing(note)
     velocity = np.linalg.solve(normal, k @ shift)
     residual = velocity @ k - shift
     return velocity, float(residual @ residual), 2 * (k @ residual), 2 * normal, 0, note

@@ -34,7 +34,7 @@ class Note(Flag):
     TOO_FEW_BINS = 4
     "nsp: fewer than 8 bins in the plane; ls: fewer than 2 bins above the threshold, and no number"
     FLAT = 8
-    "nsp: the score hardly depends on one component of the current; ls: not at all, and no number"
+    "the score hardly depends on one component of the current; ls: if not at all, there is no number"
     NO_SIGNAL = 16
     "the shell holds only rounding, and there is no number"
     LEAKAGE_FLOOR = 32

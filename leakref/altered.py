@@ -1,0 +1,82 @@
+"""The chain with lines of its source changed: variants of decisions, and faults.
+
+A change names a room, a text that occurs in it exactly once, and what stands there instead. The altered rooms
+are imported under another package name, so that the chain itself, and other alterations, are not touched.
+"""
+
+from __future__ import annotations
+
+import importlib
+import importlib.abc
+import importlib.machinery
+import importlib.util
+import re
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from hashlib import sha256
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from leakref._base import LeakrefError
+
+__all__ = ["Change", "altered"]
+
+_ROOMS = Path(__file__).parent
+_SHARED = "_base"  # its exceptions and types must be the same ones everywhere
+
+
+@dataclass(frozen=True)
+class Change:
+    """In `room`, `new` instead of `old`, which occurs exactly once."""
+
+    room: str
+    old: str
+    new: str
+
+
+class _Altered(importlib.abc.MetaPathFinder, importlib.abc.Loader):
+    """Imports rooms of the package `name` from the sources of leakref, changed."""
+
+    def __init__(self, name: str, changes: Sequence[Change]) -> None:
+        self.name, self.changes = name, changes
+
+    def find_spec(self, fullname: str, path: Any = None, target: Any = None) -> importlib.machinery.ModuleSpec | None:
+        if fullname == self.name or fullname.startswith(self.name + "."):
+            return importlib.util.spec_from_loader(fullname, self, is_package=fullname == self.name)
+        return None
+
+    def exec_module(self, module: ModuleType) -> None:
+        room = module.__name__.removeprefix(self.name).lstrip(".") or "__init__"
+        source = _changed(room, [change for change in self.changes if change.room == room])
+        own = re.sub(rf"^(\s*from )leakref(?!\.{_SHARED}\b)([. ])", rf"\1{self.name}\2", source, flags=re.MULTILINE)
+        exec(compile(own, f"<{self.name}.{room}>", "exec"), module.__dict__)
+
+
+def _changed(room: str, changes: Sequence[Change]) -> str:
+    source = (_ROOMS / f"{room}.py").read_text(encoding="utf-8")
+    for change in changes:
+        if (count := source.count(change.old)) != 1 or change.old == change.new:
+            raise LeakrefError("altered", f"{change.old!r} occurs {count} times in {room}.py",
+                               "bring the change up to date with the source")
+        source = source.replace(change.old, change.new)
+    return source
+
+
+@cache
+def altered(changes: tuple[Change, ...]) -> Any:
+    """The chain with all `changes` made: its rooms as attributes, `altered(...).nsp` and so on.
+
+    Raises LeakrefError if a change no longer fits the source, before anything runs.
+    """
+    for room in {change.room for change in changes}:
+        _changed(room, [change for change in changes if change.room == room])
+    name = f"leakref_altered_{sha256(repr(changes).encode()).hexdigest()[:12]}"
+    sys.meta_path.insert(0, _Altered(name, changes))
+    package = importlib.import_module(name)
+    for room in ("grid", "dispersion", "sea", "synthesis", "window", "spectrum", "leakage", "shell", "nsp",
+                 "leastsquares", "chain"):
+        setattr(package, room, importlib.import_module(f"{name}.{room}"))
+    return package
