@@ -1,0 +1,76 @@
+"""Configurations that the statements need: those of the paper's table, and those it does not list."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from itertools import product
+
+from leakref.cases import CASES, Configuration
+
+__all__ = ["CURRENTS", "DIRECTIONS", "EXTRA", "GAMMAS", "LENGTHS", "SPEEDS", "SPREADS", "WIDER", "current", "domain",
+           "narrow_domain", "peaked", "sea", "turned"]
+
+DIRECTIONS, SPREADS, WIDER = (60.0, 75.0, 90.0), (15.0, 30.0, 45.0, 60.0), (75.0, 90.0, 120.0)
+GAMMAS = (1.0, 3.3, 7.0)
+LENGTHS = (5.0, 10.0, 20.0)
+SPEEDS = (0.025, 0.075, 0.15)
+CURRENTS = {"following": 90.0, "crossing": 0.0, "opposing": -90.0}
+"""Directions of the current by what they are for waves at 90 degrees."""
+ROTATIONS = ((60.0, 15.0), (60.0, 30.0), (75.0, 15.0), (45.0, 45.0))  # theta0 and angle; sums are 75, 90, 90, 90
+
+
+def sea(direction: float, spread: float, rotation: float = 0.0) -> Configuration:
+    """Of case-theta0-DeltaTheta."""
+    turn = ("rotation",) if rotation else ()
+    return Configuration("theta0-dtheta", direction=direction, spread=spread, rotation=rotation,
+                         varied=("direction", "spread", *turn))
+
+
+def peaked(spread: float, peakedness: float = 3.3, length: float = 10.0) -> Configuration:
+    """Of case-gamma, theta0 = 60 degrees."""
+    side = () if length == 10 else ("length",)
+    return Configuration("gamma", direction=60.0, spread=spread, peakedness=peakedness, length=length,
+                         varied=("spread", "peakedness", *side))
+
+
+def domain(length: float, duration: float) -> Configuration:
+    """Of case-L-T."""
+    return Configuration("L-T", length=length, duration=duration, varied=("length", "duration"))
+
+
+def narrow_domain(length: float, duration: float) -> Configuration:
+    """A narrow, strongly directional sea (theta0 = 60, spread 15 degrees) at other resolutions."""
+    return Configuration("theta0-dtheta", direction=60.0, spread=15.0, length=length, duration=duration,
+                         varied=("direction", "spread", "length", "duration"))
+
+
+def current(speed: float, direction: float = 0.0, rotation: float = 0.0) -> Configuration:
+    """Of case-U."""
+    return Configuration("U", speed=speed, current_direction=direction if speed else 0.0, rotation=rotation,
+                         varied=("rotation", "speed", "current_direction") if speed else ("rotation", "speed"))
+
+
+def turned(rotation: float, currents: Iterable[float] = CURRENTS.values()) -> Iterator[Configuration]:
+    """All of case-U that run, at one angle of rotation."""
+    return (current(speed, direction, rotation) for speed, direction in product(SPEEDS, currents))
+
+
+CLEAR_OF_PEAK = replace(narrow_domain(20.0, 20.0), direction=45.0)
+"""theta0 = 45 at L = 20: no line along an axis from the peak meets the innermost shell (A14)."""
+
+EXTRA: dict[str, tuple[Configuration, ...]] = {
+    "theta0-dtheta": (*(sea(45.0, spread) for spread in SPREADS),
+                      *(sea(direction, spread) for direction, spread in product(DIRECTIONS, WIDER)),
+                      *(sea(*turn[:1], spread, turn[1]) for turn, spread in product(ROTATIONS, (15.0, 60.0))),
+                      *(narrow_domain(length, 20.0) for length in (5.0, 20.0)),
+                      *(narrow_domain(10.0, duration) for duration in (10.0, 80.0)),
+                      CLEAR_OF_PEAK, replace(CLEAR_OF_PEAK, direction=90.0)),
+    "gamma": tuple(peaked(spread, 3.3, length) for length, spread in product((5.0, 20.0), (45.0, 60.0))),
+    "L-T": (*(domain(length, 5.0) for length in LENGTHS), domain(5.0, 40.0)),
+    "U": (*turned(15.0), *turned(45.0), *turned(-30.0, (0.0,))),
+}
+"""What the claims need beside `cases.CASES`: theta0 = 45, spreads above 60, seas turned, T = 5, ..."""
+
+_TABLE = {c.id: c for members in CASES.values() for c in members}
+assert all(c.id not in _TABLE for members in EXTRA.values() for c in members)

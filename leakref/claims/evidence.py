@@ -1,0 +1,183 @@
+"""Where the claims get their numbers: ensembles of the paper's chain, computed when asked for and kept."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import zipfile
+import zlib
+from collections.abc import Sequence
+from concurrent.futures import Executor
+from dataclasses import asdict, dataclass, replace
+from itertools import repeat
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+from scipy.ndimage import affine_transform
+from scipy.optimize import minimize
+
+from leakref import fast, leakage, leastsquares, nsp, runs
+from leakref._base import FloatArray, LeakrefError
+from leakref._output import write_whole
+from leakref.cases import Configuration
+from leakref.chain import analyse
+from leakref.ensemble import Ensemble
+from leakref.sea import Components
+from leakref.shell import Shell, shell_at
+from leakref.spectrum import fourier
+from leakref.synthesis import synthesize
+from leakref.window import Window
+from leakref.window import window as named_window
+
+__all__ = ["PLAIN", "RESAMPLED", "Evidence", "Setting", "peak_waves"]
+
+RESAMPLED = 5
+"""Realisations whose images are resampled: they go through the surface and its FFT, which takes half a minute each."""
+_PEAK = 0.1  # "about" k = 1: within 10 %
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What is done otherwise than in the paper's table: the `width` a in domega, the sea `without_peak`, and
+    whether the images, not the sea, are turned by the configuration's rotation (`resampled`)."""
+
+    width: float = nsp.WIDTH
+    without_peak: bool = False
+    resampled: bool = False
+
+
+PLAIN = Setting()
+
+
+def peak_waves(waves: Components) -> np.ndarray:
+    """Which waves are those of the peak, (n,): within 10 % of k = 1."""
+    return np.abs(np.hypot(waves.kx, waves.ky) - 1) <= _PEAK
+
+
+class Evidence:
+    """`evidence(configuration, window)` is an Ensemble of `realizations`, computed once and kept in `folder`."""
+
+    def __init__(self, realizations: int, folder: Path | None = None, executor: Executor | None = None) -> None:
+        if realizations < 2:
+            raise LeakrefError("claims", f"{realizations} realisations", "ask for two or more: one has no spread")
+        self.realizations, self.folder, self.executor = realizations, folder, executor
+        self._kept: dict[tuple[object, ...], Ensemble] = {}
+        self._seconds: dict[Configuration, dict[str, FloatArray]] = {}
+
+    def __call__(self, configuration: Configuration, window: str, method: str = "nsp",
+                 setting: Setting = PLAIN) -> Ensemble:
+        key = (configuration, setting)
+        if (*key, window, method) not in self._kept:
+            found = self._plain(configuration) if setting == PLAIN else self._special(configuration, setting)
+            self._kept |= {(*key, e.window, e.method): e for e in found}
+        return self._kept[*key, window, method]
+
+    def window(self, name: str) -> Window:
+        """A window by name."""
+        return named_window(name)
+
+    def seconds(self, configuration: Configuration) -> dict[str, FloatArray]:
+        """Seconds per shell (n,) of NSP and of LS on one spectrum of this machine, see `_timed`."""
+        if configuration not in self._seconds:
+            self._seconds[configuration] = _timed(configuration)
+        return self._seconds[configuration]
+
+    def _plain(self, configuration: Configuration) -> list[Ensemble]:
+        return next(runs.run([configuration], realizations=self.realizations, folder=self.folder,
+                             executor=self.executor))
+
+    def _special(self, configuration: Configuration, setting: Setting) -> list[Ensemble]:
+        numbers = range(min(self.realizations, RESAMPLED) if setting.resampled else self.realizations)
+        given = (repeat(configuration), numbers, repeat(setting), repeat(self.folder))
+        found = list(map(_special, *given) if self.executor is None else self.executor.map(_special, *given))
+        velocities = np.array(found)  # (R, w, n, 2)
+        notes = np.zeros(velocities.shape[0::2], dtype=np.int64)
+        return [Ensemble(configuration, window, "nsp", configuration.wavenumbers, velocities[:, w], notes)
+                for w, window in enumerate(configuration.windows)]
+
+
+def _special(configuration: Configuration, realization: int, setting: Setting, folder: Path | None) -> FloatArray:
+    """Velocities (w, n, 2) under a setting, from the folder if they are there."""
+    key = json.dumps([asdict(configuration), asdict(setting), runs.source_digest()], sort_keys=True)
+    path = None if folder is None else (
+        folder / f"claims-{hashlib.sha256(key.encode()).hexdigest()[:20]}" / f"{realization:05d}.npz")
+    if path is not None:
+        try:
+            with path.open("rb") as stream, np.load(stream, allow_pickle=False) as kept:
+                return kept["velocities"]
+        except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error):
+            pass  # nothing there, or nothing whole
+    with runs.one_thread():
+        velocities = _computed(configuration, realization, setting)
+    if path is not None:
+        write_whole(path, lambda beside: np.savez(beside, velocities=velocities))
+    return velocities
+
+
+def _computed(configuration: Configuration, realization: int, setting: Setting) -> FloatArray:
+    k, windows = configuration.wavenumbers, configuration.windows
+    if setting.resampled:
+        return _resampled(configuration, realization)
+    waves = configuration.components(realization)
+    if setting.without_peak:
+        rest = ~peak_waves(waves)
+        waves = Components(*(getattr(waves, name)[rest] for name in waves.__dataclass_fields__))
+    found = fast.realize(waves, configuration.grid, k, windows=windows, methods=("nsp",), width=setting.width,
+                         search=False)
+    return np.array([found[window, "nsp"].velocities for window in windows])
+
+
+def _resampled(configuration: Configuration, realization: int) -> FloatArray:
+    """Every image turned by cubic splines about the centre of the domain.
+
+    The camera first sees a larger square, so that what is cut out after the turn has all its corners.
+    """
+    waves = replace(configuration, rotation=0.0).components(realization)
+    grid, angle = configuration.grid, np.radians(configuration.rotation)
+    n, (dx, _, _) = grid.shape[0], grid.spacing
+    margin = int(np.ceil(n * (abs(np.cos(angle)) + abs(np.sin(angle)) - 1) / 2)) + 8  # splines need a few more
+    x = (np.arange(n + 2 * margin) - margin) * dx
+    back = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+    offset = n / 2 + margin - back @ np.full(2, n / 2)
+    turned = np.empty(grid.shape)
+    for start in range(0, grid.shape[2], 40):
+        times = grid.samples(2)[start : start + 40]
+        for m, image in enumerate(np.moveaxis(synthesize(waves, x, x, times), 2, 0), start):
+            turned[:, :, m] = affine_transform(image, back, offset, output_shape=(n, n), order=3)
+    return np.array([analyse(fourier(turned, grid, window), configuration.wavenumbers, search=False).velocities
+                     for window in configuration.windows])
+
+
+def _timed(configuration: Configuration, repeats: int = 3) -> dict[str, FloatArray]:
+    """Seconds per shell, the best of `repeats`, (n,) each: the bins picked, and the current found by NSP, by LS in
+    closed form and by LS with Nelder-Mead, as the paper has it."""
+    k, dk = configuration.wavenumbers, configuration.grid.wavenumber_resolution
+    spectrum = leakage.spectrum(configuration.components(0), configuration.grid, "hann",
+                                largest_wavenumber=float(k.max()) + 3 * dk)
+    a = nsp.WIDTH * configuration.grid.frequency_resolution
+    seconds: dict[str, FloatArray] = {}
+    with runs.one_thread():
+        shells = [shell_at(spectrum, k_i) for k_i in k]
+        for name, work in (("shell", lambda i: shell_at(spectrum, k[i])),
+                           ("nsp", lambda i: nsp.optimum(shells[i], a, 1.0, search=False)),
+                           ("ls", lambda i: leastsquares.optimum(shells[i])),
+                           ("ls by Nelder-Mead", lambda i: _least_squares_by_simplex(shells[i]))):
+            seconds[name] = np.min([[_clocked(work, i) for i in range(k.size)] for _ in range(repeats)], axis=0)
+    return seconds
+
+
+def _clocked(work: object, i: int) -> float:
+    start = perf_counter()
+    work(i)  # type: ignore[operator]
+    return perf_counter() - start
+
+
+def _least_squares_by_simplex(shell: Shell) -> Sequence[float]:
+    """eq:LS1 minimised as the paper does it."""
+    power = (shell.magnitude / shell.magnitude.max()) ** 2
+    column, m = np.nonzero(power >= leastsquares.THRESHOLD)
+    kx, ky, shift = shell.kx[column], shell.ky[column], shell.omega[m] - shell.intrinsic[column]
+    simplex = np.array([[0.0, 0.0], [nsp.START, 0.0], [0.0, nsp.START]])
+    return minimize(lambda c: np.sum((kx * c[0] + ky * c[1] - shift) ** 2), simplex[0], method="Nelder-Mead",
+                    options={"initial_simplex": simplex, "xatol": 1e-8, "fatol": np.inf}).x
