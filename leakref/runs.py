@@ -32,7 +32,7 @@ from leakref.shell import Extraction
 __all__ = ["Task", "compute", "connected", "one_thread", "pool", "run", "source_digest"]
 
 _CHAIN = ("_base", "grid", "dispersion", "sea", "synthesis", "window", "spectrum", "leakage", "shell", "nsp",
-          "leastsquares", "chain", "fast", "ensemble")
+          "leastsquares", "chain", "fastspectra", "fastscore", "fast", "ensemble")
 Part = tuple[FloatArray, IntArray]
 """Velocities (w, m, n, 2) and notes (w, m, n) of one realisation under w windows and m methods."""
 

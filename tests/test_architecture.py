@@ -22,7 +22,7 @@ ROOMS = {"_base": set(), "grid": set(), "dispersion": set(), "sea": {"grid", "di
          "leakage": {"grid", "window", "spectrum", "sea"}, "shell": {"spectrum", "dispersion", "window"},
          "nsp": {"spectrum", "dispersion", "shell"}, "leastsquares": {"spectrum", "dispersion", "shell"}}
 ROOMS["chain"] = {room for room in ROOMS if room != "_base"}
-ABOVE = {"cases", "ensemble", "claims", "fast"}  # all of the above, and each other
+ABOVE = {"cases", "ensemble", "claims", "fast", "fastscore", "fastspectra"}  # all of the above, and each other
 ROOMS |= {room: {*ROOMS, *ABOVE} for room in ABOVE if room in MODULES}
 
 

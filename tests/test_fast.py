@@ -8,7 +8,8 @@ from conftest import RECTANGULAR, waves_off_bins
 
 from leakref import Components, Grid, LeakrefError, SeaState, UniformCurrent, aligned_waves, leakage
 from leakref.chain import METHODS, analyse, shell_wavenumbers
-from leakref.fast import _Disc, _magnitudes, realize
+from leakref.fast import realize
+from leakref.fastspectra import Disc, magnitudes
 from leakref.shell import Note
 from leakref.window import WINDOWS
 
@@ -48,10 +49,10 @@ def assert_same(components, grid, k, *, windows=("box", "hann"), reach=None, uni
 @pytest.mark.parametrize("off", [0.0, 1e-9, 0.3, 0.5])
 @pytest.mark.parametrize("grid", RECTANGULAR)
 def test_magnitudes_are_those_of_the_closed_form(grid, off):
-    disc = _Disc(grid, 0.99 * min(grid.nyquist[:2]))
+    disc = Disc(grid, 0.99 * min(grid.nyquist[:2]))
     i, j = disc.bins
     waves = waves_off_bins(grid, off)
-    for name, magnitude in _magnitudes(waves, grid, list(WINDOWS.values()), disc).items():
+    for name, magnitude in magnitudes(waves, grid, list(WINDOWS.values()), disc).items():
         plain = np.abs(leakage.spectrum(waves, grid, name).values[i, j])
         np.testing.assert_allclose(magnitude / magnitude.max(), plain / plain.max(), rtol=0, atol=5e-15, err_msg=name)
 

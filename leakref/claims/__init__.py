@@ -1,1 +1,19 @@
-"""x"""
+"""The paper's statements as predicates: which hold, by how much, and which depend on how they are read.
+
+`configurations` names the seas, `evidence` computes their ensembles, `words` holds the vocabulary in which the
+statements are then written down, a module for each group: W windows, N methods, A directions, P peakedness,
+R resolution, U currents, G general.
+"""
+
+from __future__ import annotations
+
+from leakref.claims import currents, directions, general, methods, peakedness, resolution, windows  # noqa: F401
+from leakref.claims.configurations import EXTRA
+from leakref.claims.evidence import Evidence
+from leakref.claims.registry import CLAIMS as _CLAIMS
+from leakref.claims.registry import Claim, Finding, chosen
+
+__all__ = ["CLAIMS", "EXTRA", "Claim", "Evidence", "Finding", "chosen"]
+
+CLAIMS: dict[str, Claim] = {id: _CLAIMS[id] for id in sorted(_CLAIMS, key=lambda i: ("WNAPRUG".index(i[0]), int(i[1:])))}
+"""Every claim by its id, in the order of the paper's list."""

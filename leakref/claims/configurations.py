@@ -8,8 +8,8 @@ from itertools import product
 
 from leakref.cases import CASES, Configuration
 
-__all__ = ["CURRENTS", "DIRECTIONS", "EXTRA", "GAMMAS", "LENGTHS", "SPEEDS", "SPREADS", "WIDER", "current", "domain",
-           "narrow_domain", "peaked", "sea", "turned"]
+__all__ = ["CLEAR_OF_PEAK", "CURRENTS", "DIRECTIONS", "EXTRA", "GAMMAS", "LENGTHS", "ROTATIONS", "SPEEDS", "SPREADS",
+           "WIDER", "current", "domain", "narrow_domain", "peaked", "sea", "turned"]
 
 DIRECTIONS, SPREADS, WIDER = (60.0, 75.0, 90.0), (15.0, 30.0, 45.0, 60.0), (75.0, 90.0, 120.0)
 GAMMAS = (1.0, 3.3, 7.0)

@@ -21,7 +21,7 @@ from leakref import fast, leakage, leastsquares, nsp, runs
 from leakref._base import FloatArray, LeakrefError
 from leakref._output import write_whole
 from leakref.cases import Configuration
-from leakref.chain import analyse
+from leakref.chain import METHODS, analyse
 from leakref.ensemble import Ensemble
 from leakref.sea import Components
 from leakref.shell import Shell, shell_at
@@ -39,10 +39,11 @@ _PEAK = 0.1  # "about" k = 1: within 10 %
 
 @dataclass(frozen=True)
 class Setting:
-    """What is done otherwise than in the paper's table: the `width` a in domega, the sea `without_peak`, and
-    whether the images, not the sea, are turned by the configuration's rotation (`resampled`)."""
+    """What is done otherwise than in the paper's table: the `width` a in domega, the LS `threshold`, the sea
+    `without_peak`, and whether the images, not the sea, are turned by the configuration's rotation (`resampled`)."""
 
     width: float = nsp.WIDTH
+    threshold: float = leastsquares.THRESHOLD
     without_peak: bool = False
     resampled: bool = False
 
@@ -91,14 +92,14 @@ class Evidence:
         numbers = range(min(self.realizations, RESAMPLED) if setting.resampled else self.realizations)
         given = (repeat(configuration), numbers, repeat(setting), repeat(self.folder))
         found = list(map(_special, *given) if self.executor is None else self.executor.map(_special, *given))
-        velocities = np.array(found)  # (R, w, n, 2)
-        notes = np.zeros(velocities.shape[0::2], dtype=np.int64)
-        return [Ensemble(configuration, window, "nsp", configuration.wavenumbers, velocities[:, w], notes)
-                for w, window in enumerate(configuration.windows)]
+        velocities = np.array(found)  # (R, w, m, n, 2)
+        notes = np.zeros(velocities.shape[0::3], dtype=np.int64)
+        return [Ensemble(configuration, window, method, configuration.wavenumbers, velocities[:, w, m], notes)
+                for w, window in enumerate(configuration.windows) for m, method in enumerate(METHODS)]
 
 
 def _special(configuration: Configuration, realization: int, setting: Setting, folder: Path | None) -> FloatArray:
-    """Velocities (w, n, 2) under a setting, from the folder if they are there."""
+    """Velocities (w, m, n, 2) under a setting, from the folder if they are there."""
     key = json.dumps([asdict(configuration), asdict(setting), runs.source_digest()], sort_keys=True)
     path = None if folder is None else (
         folder / f"claims-{hashlib.sha256(key.encode()).hexdigest()[:20]}" / f"{realization:05d}.npz")
@@ -123,9 +124,9 @@ def _computed(configuration: Configuration, realization: int, setting: Setting) 
     if setting.without_peak:
         rest = ~peak_waves(waves)
         waves = Components(*(getattr(waves, name)[rest] for name in waves.__dataclass_fields__))
-    found = fast.realize(waves, configuration.grid, k, windows=windows, methods=("nsp",), width=setting.width,
-                         search=False)
-    return np.array([found[window, "nsp"].velocities for window in windows])
+    found = fast.realize(waves, configuration.grid, k, windows=windows, width=setting.width,
+                         threshold=setting.threshold, search=False)
+    return np.array([[found[window, method].velocities for method in METHODS] for window in windows])
 
 
 def _resampled(configuration: Configuration, realization: int) -> FloatArray:
@@ -145,8 +146,9 @@ def _resampled(configuration: Configuration, realization: int) -> FloatArray:
         times = grid.samples(2)[start : start + 40]
         for m, image in enumerate(np.moveaxis(synthesize(waves, x, x, times), 2, 0), start):
             turned[:, :, m] = affine_transform(image, back, offset, output_shape=(n, n), order=3)
-    return np.array([analyse(fourier(turned, grid, window), configuration.wavenumbers, search=False).velocities
-                     for window in configuration.windows])
+    spectra = [fourier(turned, grid, window) for window in configuration.windows]
+    return np.array([[analyse(spectrum, configuration.wavenumbers, method=method, search=False).velocities
+                      for method in METHODS] for spectrum in spectra])
 
 
 def _timed(configuration: Configuration, repeats: int = 3) -> dict[str, FloatArray]:

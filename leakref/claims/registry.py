@@ -1,0 +1,91 @@
+"""The register of claims, and what came of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from leakref._base import LeakrefError
+from leakref.claims.evidence import Evidence
+from leakref.claims.words import Reading
+
+__all__ = ["CLAIMS", "Claim", "Finding", "chosen", "claim"]
+
+REPRODUCED, NOT_REPRODUCED, DEPENDS = "reproduced", "not reproduced", "depends on"
+Predicate = Callable[[Evidence], Iterable[Reading]]
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A statement of the paper: its `words` in short, the `label` where it stands, how it is tested."""
+
+    id: str
+    words: str
+    label: str
+    test: str
+    predicate: Predicate
+
+    def judge(self, evidence: Evidence) -> Finding:
+        """Evaluate it, on the ensembles it asks for."""
+        return Finding(self, tuple(self.predicate(evidence)))
+
+
+@dataclass(frozen=True, eq=False)
+class Finding:
+    """What came of a claim: its readings, the first of which is the nearest to the words."""
+
+    claim: Claim
+    readings: tuple[Reading, ...]
+
+    @property
+    def verdict(self) -> str:
+        """Reproduced if every reading holds, not reproduced if none does, else it depends."""
+        answers = {reading.holds for reading in self.readings}
+        return REPRODUCED if answers == {True} else NOT_REPRODUCED if answers == {False} else DEPENDS
+
+    @property
+    def depends_on(self) -> list[str]:
+        """The choices that alone change the answer; the sampling error where it leaves one open."""
+        found = []
+        for name in dict.fromkeys(name for reading in self.readings for name in reading.choices):
+            answers: dict[str, set[bool | None]] = {}
+            for reading in self.readings:
+                rest = repr([item for item in reading.choices.items() if item[0] != name])
+                answers.setdefault(rest, set()).add(reading.holds)
+            if any(len(group) > 1 for group in answers.values()):
+                found.append(name)
+        return found + ["the sampling error"] * any(reading.holds is None for reading in self.readings)
+
+    def record(self) -> dict[str, Any]:
+        """As in the JSON of `leakref claims`: the figure is that of the first reading; `holds` null is open."""
+        return {"id": self.claim.id, "verdict": self.verdict, "figure": self.readings[0].figure,
+                "depends_on": self.depends_on, "words": self.claim.words, "label": self.claim.label,
+                "test": self.claim.test,
+                "readings": [{"reading": r.words, "holds": r.holds, "figure": r.figure} for r in self.readings]}
+
+
+CLAIMS: dict[str, Claim] = {}
+"""Every claim by its id, in the order of the paper's list."""
+
+
+def claim(id: str, words: str, label: str, test: str) -> Callable[[Predicate], Predicate]:
+    """Register the function below as the predicate of a claim."""
+
+    def register(predicate: Predicate) -> Predicate:
+        assert id not in CLAIMS, id
+        CLAIMS[id] = Claim(id, words, label, test, predicate)
+        return predicate
+
+    return register
+
+
+def chosen(ids: Sequence[str]) -> list[Claim]:
+    """The claims named, one by one or by the letter of their group; all if none is. Raises LeakrefError."""
+    found: dict[str, Claim] = {}
+    for name in ids or CLAIMS:
+        matching = {key: value for key, value in CLAIMS.items() if name.upper() in (key, key[0])}
+        if not matching:
+            raise LeakrefError("claims", f"no claim is called {name!r}", f"choose from {', '.join(CLAIMS)}")
+        found |= matching
+    return list(found.values())

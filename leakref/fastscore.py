@@ -1,0 +1,506 @@
+# mypy: disallow-untyped-defs=False
+"""Climbing the score of a shell, searching it, and least squares, compiled: part of `leakref.fast`.
+
+Around one velocity the score is a polynomial in the two components of the velocity. One pass over the columns of a
+shell gives its coefficients (`_expand`); after that an evaluation costs the same whatever the size of the shell, so
+that SciPy's Nelder-Mead can be followed step by step (`climb`). Other basins are looked for on a coarse lattice first,
+with a bound on the scores in between (`peaks`). Frequencies are counted in bins, wavenumbers in bins per velocity.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+
+from leakref import nsp
+from leakref._base import FloatArray, IntArray
+
+__all__ = ["KEPT", "ORDER", "POOL", "Models", "Ring", "climb", "least_squares", "only_leaked", "outdone", "peaks",
+           "pool", "principal"]
+
+ORDER = 12  # of an expansion of the score: powers of the velocity below it
+_RADIUS = 0.3  # how far an expansion holds, to 2e-11, in standard deviations of the Gaussian
+_CLOSE = 1e-4  # the same for one of order 4, to rounding; and the step in c0 after which Newton's method asks for one
+_DENSE = 3.0  # bins: from this width on the sampled Gaussian has a constant sum
+_LOST = 1e-3  # what is left of G, below which the tails that `_CUT` cuts would decide
+_CHUNK = 64  # columns at a time
+KEPT = 64  # expansions of one shell
+POOL = 8  # places of the table of scores, an eighth of the width each
+
+_compiled: Any = njit(cache=True, nogil=True, error_model="numpy")
+_summing: Any = njit(cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
+
+
+class Ring(NamedTuple):
+    """The columns of one shell and what is needed to sum over them. Frequencies in bins, k in bins per velocity."""
+
+    magnitude: FloatArray  # F of all columns of the disc, (all, nw)
+    columns: IntArray  # (n,): which of them
+    kx: FloatArray
+    ky: FloatArray
+    centre: FloatArray  # omega0(k), (n,)
+    largest: float  # of |k|
+    wavenumber: float  # of the shell
+    unit: float  # c0
+    width: float
+    even: bool  # whether the last bin is the Nyquist frequency, half of it a mirror image
+    taps: FloatArray  # exp(-2 (j / width)^2), (2 half + 1,)
+    powers: FloatArray  # (2 j / width)^p / p!, (ORDER, 2 half + 1)
+    binomials: FloatArray  # (ORDER, ORDER)
+
+
+@_compiled
+def _bins(ring, column, m, out):
+    """F at the bins m ... m + len(out) - 1 of a column, negative ones from its mirror image; 1 for `column` < 0.
+
+    The whole space, with the + branch only: the same sums as the half space with both (decision D5).
+    """
+    f = ring.magnitude
+    top = f.shape[1] - 1
+    for j in range(out.size):
+        n = abs(m + j)
+        if n > top:
+            out[j] = 0.0
+        else:
+            out[j] = 1.0 if column < 0 else f[column if m + j >= 0 else f.shape[0] - 1 - column, n]
+            if n == top and ring.even:
+                out[j] *= 0.5
+
+
+@_summing
+def _pulse(f, d, ring, out):
+    """f_j exp(-2 ((j - d) / width)^2) over bins j = -half ... half, out (2 half + 1,)."""
+    size, s = f.size, 2 * d / ring.width
+    ratio, out[0], filled = np.exp(2 * s / ring.width), np.exp(-s * (s / 2 + (size // 2) * 2 / ring.width)), 1
+    while filled < size:  # powers by doubling
+        for j in range(min(filled, size - filled)):
+            out[filled + j] = out[j] * ratio
+        ratio *= ratio
+        filled *= 2
+    for j in range(size):
+        out[j] *= f[j] * ring.taps[j]
+
+
+@_summing
+def _gather(pulses, s, kx, ky, powers, order, total):
+    """Add to total[q, p] the sums over columns of kx^q ky^p times the coefficient of t^(q + p), q + p < `order`.
+
+    The Gaussian at distance u - s - t from its centre, in standard deviations, is that at u - s times
+    exp(u t) exp(-s t - t^2 / 2): moments of the pulses, times Hermite polynomials of s.
+    """
+    n = s.size
+    moments, hermite, series = np.empty((order, n)), np.empty((order, n)), np.empty((order, n))
+    px, py = np.empty((order, n)), np.empty((order, n))
+    np.dot(powers[:order], pulses.T, moments)
+    for i in range(n):
+        hermite[0, i] = px[0, i] = py[0, i] = 1.0
+        hermite[1, i], px[1, i], py[1, i] = -s[i], kx[i], ky[i]
+    for p in range(2, order):
+        for i in range(n):
+            hermite[p, i] = -(s[i] * hermite[p - 1, i] + hermite[p - 2, i]) / p
+            px[p, i], py[p, i] = px[p - 1, i] * kx[i], py[p - 1, i] * ky[i]
+    for p in range(order):
+        for i in range(n):
+            series[p, i] = moments[p, i]
+        for q in range(1, p + 1):
+            for i in range(n):
+                series[p, i] += hermite[q, i] * moments[p - q, i]
+    for q in range(order):
+        for p in range(order - q):
+            part = 0.0
+            for i in range(n):
+                part += px[q, i] * py[p, i] * series[q + p, i]
+            total[q, p] += part
+
+
+@_compiled
+def _expand(ring, c, order, top, bottom):
+    """Numerator and denominator of N around the velocity c: coefficients of x^q y^p, (ORDER, ORDER) each.
+
+    x and y are the change of velocity times 2 largest / width; terms of `order` and beyond are left out. Away from
+    the Nyquist frequency the denominator is constant to rounding, since the Gaussian is sampled densely.
+    """
+    size, nw = ring.taps.size, ring.magnitude.shape[1]
+    half = size // 2
+    f, pulses, ones = np.empty(size), np.empty((_CHUNK, size)), np.empty((_CHUNK, size))
+    s, centres = np.empty(_CHUNK), ring.centre + ring.kx * c[0] + ring.ky * c[1]
+    top[:] = 0.0
+    bottom[:] = 0.0
+    clipped = ring.width < _DENSE or np.abs(centres).max() > nw - 3 - half
+    for start in range(0, centres.size, _CHUNK):
+        n = min(_CHUNK, centres.size - start)
+        for i in range(n):
+            centre, column = centres[start + i], ring.columns[start + i]
+            centre = min(max(centre, -2.0 * nw), 2.0 * nw)  # past the bins all is zero
+            nearest = int(np.rint(centre))
+            s[i] = 2 * (centre - nearest) / ring.width
+            first = nearest - half
+            if first < 0 or first + size >= nw:
+                _bins(ring, column, first, f)
+                _pulse(f, centre - nearest, ring, pulses[i])
+            else:
+                _pulse(ring.magnitude[column, first : first + size], centre - nearest, ring, pulses[i])
+            if clipped:
+                _bins(ring, -1, first, f)
+                _pulse(f, centre - nearest, ring, ones[i])
+        kx, ky = ring.kx[start : start + n] / ring.largest, ring.ky[start : start + n] / ring.largest
+        _gather(pulses[:n], s[:n], kx, ky, ring.powers, order, top)
+        if clipped:
+            _gather(ones[:n], s[:n], kx, ky, ring.powers, order, bottom)
+    if not clipped:
+        bottom[0, 0] = ring.columns.size * ring.width * np.sqrt(np.pi / 2)
+    top *= ring.binomials
+    bottom *= ring.binomials
+
+
+@_compiled
+def _value(a, x, y):
+    """The polynomial with coefficients a of x^q y^p."""
+    total = 0.0
+    for q in range(ORDER - 1, -1, -1):
+        row = 0.0
+        for p in range(ORDER - 1 - q, -1, -1):
+            row = row * y + a[q, p]
+        total = total * x + row
+    return total
+
+
+@_compiled
+def _slopes(a, x, y, scale):
+    """The polynomial, its gradient and its second derivatives (xx, xy, yy), x and y being velocities times `scale`."""
+    v = vx = vy = vxx = vxy = vyy = 0.0
+    for q in range(ORDER - 1, -1, -1):
+        r = ry = ryy = 0.0
+        for p in range(ORDER - 1 - q, -1, -1):
+            ryy, ry, r = ryy * y + 2 * ry, ry * y + r, r * y + a[q, p]
+        vxx, vxy, vx, vyy, vy, v = vxx * x + 2 * vx, vxy * x + vy, vx * x + v, vyy * x + ryy, vy * x + ry, v * x + r
+    return v, scale * vx, scale * vy, scale**2 * vxx, scale**2 * vxy, scale**2 * vyy
+
+
+class Models(NamedTuple):
+    """Expansions of the score of one shell, made where they are asked for."""
+
+    centres: FloatArray  # (KEPT, 2)
+    top: FloatArray  # (KEPT, ORDER, ORDER)
+    bottom: FloatArray
+    made: IntArray  # how many, which was used last, and whether the search is lost (_score)
+
+
+@_compiled
+def _model(ring, models, c, radius):
+    """The number of an expansion whose centre is within `radius` (of 2 k.c / width) of c, new if need be."""
+    reach = (radius * ring.width / (2 * ring.largest)) ** 2
+    made = models.made[0]
+    for back in range(min(made, KEPT)):
+        n = (models.made[1] - back) % min(made, KEPT)
+        if (models.centres[n, 0] - c[0]) ** 2 + (models.centres[n, 1] - c[1]) ** 2 <= reach:
+            models.made[1] = n
+            return n
+    n = made % KEPT
+    models.centres[n] = c
+    _expand(ring, c, ORDER if radius > _CLOSE else 4, models.top[n], models.bottom[n])
+    models.made[0], models.made[1] = made + 1, n
+    return n
+
+
+@_compiled
+def _score(ring, models, c):
+    """N up to a factor, at c. Where most of G has left the Nyquist range the search is noted as lost."""
+    n = _model(ring, models, c, _RADIUS)
+    scale = 2 * ring.largest / ring.width
+    x, y = (c[0] - models.centres[n, 0]) * scale, (c[1] - models.centres[n, 1]) * scale
+    bottom = _value(models.bottom[n], x, y)
+    if not bottom > _LOST * ring.columns.size * ring.width:
+        models.made[2] = 1
+        return 0.0
+    return _value(models.top[n], x, y) / bottom
+
+
+@_compiled
+def _derivatives(ring, models, c, radius, out):
+    """N up to a factor, gradient and second derivatives (xx, xy, yy) as in nsp.score_derivatives, out (6,)."""
+    n = _model(ring, models, c, radius)
+    scale = 2 * ring.largest / ring.width
+    x, y = (c[0] - models.centres[n, 0]) * scale, (c[1] - models.centres[n, 1]) * scale
+    a, ax, ay, axx, axy, ayy = _slopes(models.top[n], x, y, scale)
+    b, bx, by, bxx, bxy, byy = _slopes(models.bottom[n], x, y, scale)
+    sx, sy = ax / a - bx / b, ay / a - by / b  # of log N
+    out[0] = a / b
+    out[1], out[2] = out[0] * sx, out[0] * sy
+    out[3] = out[0] * (axx / a - (ax / a) ** 2 - bxx / b + (bx / b) ** 2 + sx * sx)
+    out[4] = out[0] * (axy / a - ax * ay / a**2 - bxy / b + bx * by / b**2 + sx * sy)
+    out[5] = out[0] * (ayy / a - (ay / a) ** 2 - byy / b + (by / b) ** 2 + sy * sy)
+
+
+@_compiled
+def principal(d):
+    """Eigenvalues of the Hessian in d, and the direction (cos, sin) of the first."""
+    angle = 0.5 * np.arctan2(2 * d[4], d[3] - d[5])
+    mean, radius = (d[3] + d[5]) / 2, np.hypot((d[3] - d[5]) / 2, d[4])
+    return mean + radius, mean - radius, np.cos(angle), np.sin(angle)
+
+
+@_compiled
+def _ascend(ring, models, start, c, d):
+    """nsp._ascend from `start` to c, with the derivatives there in d: evaluations, and whether it got there.
+
+    Close to the end the expansion is made anew, so that the derivatives are those at the end itself.
+    """
+    c[:] = start
+    radius = _RADIUS
+    for count in range(1, 60):
+        _derivatives(ring, models, c, radius, d)
+        first, second, u, v = principal(d)
+        largest = max(abs(first), abs(second))
+        along, across = u * d[1] + v * d[2], -v * d[1] + u * d[2]
+        along = along / abs(first) if abs(first) > 1e-9 * largest else 0.0
+        across = across / abs(second) if abs(second) > 1e-9 * largest else 0.0
+        length = np.hypot(along, across)
+        if not np.isfinite(length):
+            break
+        step = min(1.0, ring.width / (4 * ring.wavenumber * max(length, 1e-300)))
+        c[0] += step * (u * along - v * across)
+        c[1] += step * (v * along + u * across)
+        if length < 1e-13 * ring.unit or (count > 20 and length < 1e-11 * ring.unit):
+            _derivatives(ring, models, c, radius, d)
+            return count, first <= 1e-9 * largest and second < 0
+        if length < _CLOSE * ring.unit:
+            radius = _CLOSE
+    return count, False
+
+
+@_compiled
+def climb(ring, models, c, d):
+    """nsp.optimum: velocity c, derivatives d; evaluations, and whether a maximum was reached.
+
+    SciPy's Nelder-Mead on -N (Lagarias coefficients), in units of c0, until the simplex is at most 1e-8; then Newton.
+    """
+    simplex, values, unit = np.zeros((3, 2)), np.empty(3), ring.unit
+    trial, other, mean = np.empty(2), np.empty(2), np.empty(2)
+    simplex[1, 0] = simplex[2, 1] = nsp.START
+    for i in range(3):
+        values[i] = -_score(ring, models, simplex[i] * unit)
+    used = 3
+    while used < 5000:
+        size = 0.0
+        for i in range(1, 3):  # by insertion: equal values keep their order
+            for j in range(i, 0, -1):
+                if values[j] < values[j - 1]:
+                    values[j], values[j - 1] = values[j - 1], values[j]
+                    for axis in range(2):
+                        simplex[j, axis], simplex[j - 1, axis] = simplex[j - 1, axis], simplex[j, axis]
+        for i in range(1, 3):
+            size = max(size, abs(simplex[i, 0] - simplex[0, 0]), abs(simplex[i, 1] - simplex[0, 1]))
+        if size <= 1e-8:
+            break
+        mean[:] = (simplex[0] + simplex[1]) / 2
+        trial[:] = 2 * mean - simplex[2]
+        value = -_score(ring, models, trial * unit)
+        used += 1
+        if value < values[1] and not value < values[0]:
+            simplex[2], values[2] = trial, value
+            continue
+        if value < values[0]:  # expand
+            other[:] = 3 * mean - 2 * simplex[2]
+        elif value < values[2]:  # contract, outside
+            other[:] = 1.5 * mean - 0.5 * simplex[2]
+        else:  # inside
+            other[:] = 0.5 * mean + 0.5 * simplex[2]
+        second = -_score(ring, models, other * unit)
+        used += 1
+        if value < values[0] and not second < value:
+            simplex[2], values[2] = trial, value
+        elif value < values[0] or (second <= value if value < values[2] else second < values[2]):
+            simplex[2], values[2] = other, second
+        else:
+            for j in range(1, 3):
+                simplex[j] = simplex[0] + 0.5 * (simplex[j] - simplex[0])
+                values[j] = -_score(ring, models, simplex[j] * unit)
+            used += 2
+    steps, arrived = _ascend(ring, models, simplex[0] * unit, c, d)
+    return used + steps, arrived and not models.made[2]
+
+
+@_summing
+def pool(table):
+    """Fill in the lower half of the table of scores from the upper: P(-k, -omega) = P(k, omega).
+
+    Returns for every fourth place the largest within POOL = 8 of it or the next three, and that of each row.
+    """
+    n, size = table.shape
+    cells, middle = size // 4 + 1, size // 2
+    pooled, tops, place = np.empty((n, cells), dtype=table.dtype), np.empty(n), np.zeros(4 * cells, dtype=table.dtype)
+    four = np.zeros(cells + 4, dtype=table.dtype)
+    for row in range(n):
+        table[row, :middle] = table[n - 1 - row, :middle:-1]
+        place[:size] = table[row]
+        top = place[0]
+        for q in range(cells):  # comparisons and not max(), which minds NaN and takes twice as long
+            a, b, c, d = place[4 * q], place[4 * q + 1], place[4 * q + 2], place[4 * q + 3]
+            a, c = a if a > b else b, c if c > d else d
+            four[2 + q] = a if a > c else c
+        for q in range(cells):
+            a, b, c, d, e = four[q], four[q + 1], four[q + 2], four[q + 3], four[q + 4]
+            a, c = a if a > b else b, c if c > d else d
+            a = a if a > c else c
+            pooled[row, q] = a if a > e else e
+            top = top if top > pooled[row, q] else pooled[row, q]
+        tops[row] = top
+    return pooled, tops
+
+
+@_summing
+def _drop(table, columns, base, kx, ky, rest, x, y, scores, bar):
+    """Add up the table for all columns at the velocities x, y, keeping those that can still reach `bar`. Their number.
+
+    `rest`: how much the columns after each may add at most. x, y and scores are shortened in place.
+    """
+    live, last, place = x.size, np.int32(table.shape[1] - 1), np.empty(x.size, dtype=np.int32)
+    scores[:] = 0.0
+    for n in range(columns.size):
+        row, a, b, c = table[columns[n]], kx[n], ky[n], base[n]
+        for p in range(live):
+            place[p] = min(max(np.int32(a * x[p] + b * y[p] + c), np.int32(0)), last)
+        for p in range(live):
+            scores[p] += row[place[p]]
+        if n % 8 == 7 or n == columns.size - 1:
+            kept = 0
+            for p in range(live):
+                if scores[p] + rest[n] >= bar:
+                    x[kept], y[kept], scores[kept] = x[p], y[p], scores[p]
+                    kept += 1
+            live = kept
+    return live
+
+
+@_compiled
+def peaks(ring, order, tops, table, pooled, reach, found, best):
+    """The starts of nsp._another_basin: up to six maxima of a coarse score on a lattice, strongest first, best (7, 3).
+
+    `table` holds each column's part of the score by centre, an eighth of the width apart; `pooled` the largest part
+    within POOL of every fourth, which bounds the score of three by three points at once.
+    """
+    step, middle = ring.width / 8, table.shape[1] // 2
+    spacing = ring.width / (2 * ring.wavenumber)
+    columns, unit = ring.columns[order], spacing / step
+    base, kx, ky = ring.centre[order] / step + middle + 0.5, ring.kx[order] * unit, ring.ky[order] * unit
+    rest = np.zeros(order.size)
+    for n in range(order.size - 1, 0, -1):
+        rest[n - 1] = rest[n] + tops[n]
+    own = 0.0
+    for n in range(order.size):
+        place = int((kx[n] * found[0] + ky[n] * found[1]) / spacing + base[n])
+        own += table[columns[n], min(max(place, 0), 2 * middle)]
+    bar, m = 0.85 * own, int(np.ceil(reach / spacing))
+    block = 3 if (np.sqrt(2) * ring.largest * unit + 1 <= POOL) else 1
+    cells = (m + block - 1) // block
+    x, y = np.empty((2 * cells + 1) ** 2), np.empty((2 * cells + 1) ** 2)
+    count = 0
+    for p in range(-cells, cells + 1):
+        for q in range(-cells, cells + 1):
+            if np.hypot(p, q) * block * spacing <= reach + (1.5 * spacing if block > 1 else 0.0):
+                x[count], y[count] = p * block, q * block
+                count += 1
+    x, y, scores = x[:count], y[:count], np.empty(count)
+    if block > 1:
+        count = _drop(pooled, columns, base / 4, kx / 4, ky / 4, rest, x, y, scores, bar)
+        fine_x, fine_y, fine = np.empty(9 * count), np.empty(9 * count), 0
+        for n in range(count):
+            for p in range(-1, 2):
+                for q in range(-1, 2):
+                    fine_x[fine], fine_y[fine] = x[n] + p, y[n] + q
+                    fine += np.hypot(x[n] + p, y[n] + q) * spacing <= reach
+        x, y, scores = fine_x[:fine], fine_y[:fine], np.empty(fine)
+    count = _drop(table, columns, base, kx, ky, rest, x, y, scores, bar)
+    grid = np.zeros((2 * m + 3, 2 * m + 3))
+    for n in range(count):
+        grid[m + 1 + int(x[n]), m + 1 + int(y[n])] = scores[n]
+    starts = 0
+    for p in range(1, 2 * m + 2):
+        for q in range(1, 2 * m + 2):
+            if grid[p, q] > bar and grid[p, q] == grid[p - 1 : p + 2, q - 1 : q + 2].max():
+                a, b = (p - 1 - m) * spacing, (q - 1 - m) * spacing
+                if np.hypot(a - found[0], b - found[1]) > spacing:
+                    place = min(starts, 6)  # by insertion, equal ones in order
+                    while place > 0 and best[place - 1, 2] < grid[p, q]:
+                        best[place] = best[place - 1]
+                        place -= 1
+                    best[place, 0], best[place, 1], best[place, 2] = a, b, grid[p, q]
+                    starts = min(starts + 1, 6)
+    return starts
+
+
+@_compiled
+def outdone(ring, models, starts, reach, score):
+    """Whether from one of the starts the score rises to a higher maximum within reach."""
+    c, d = np.empty(2), np.empty(6)
+    for n in range(starts.shape[0]):
+        _, arrived = _ascend(ring, models, starts[n, :2], c, d)
+        if arrived and np.hypot(c[0], c[1]) <= reach and d[0] > score * (1 + 1e-9):
+            return True
+    return False
+
+
+@_compiled
+def least_squares(ring, largest, threshold, out):
+    """leastsquares.optimum: out (8,) velocity, C, normal matrix (xx, xy, yy), half the gradient.
+
+    Returns bins used, whether one is close to the threshold, whether there is no number, and the threshold of F.
+    `largest` F of each column: most hold nothing above the threshold, and are passed over.
+    """
+    top = largest[ring.columns].max()
+    out[:] = 0.0
+    bx = by = 0.0
+    used, close, flat = 0, False, True
+    for residuals in range(2):
+        for n in range(ring.columns.size):
+            if (largest[ring.columns[n]] / top) ** 2 < threshold - 1e-9:
+                continue
+            row, kx, ky = ring.magnitude[ring.columns[n]], ring.kx[n], ring.ky[n]
+            for m in range(row.size):
+                power = (row[m] / top) ** 2
+                if power < threshold - 1e-9:
+                    continue
+                close |= abs(power - threshold) < 1e-10
+                if power >= threshold and not residuals:
+                    used += 1
+                    out[3], out[4], out[5] = out[3] + kx * kx, out[4] + kx * ky, out[5] + ky * ky
+                    bx, by = bx + kx * (m - ring.centre[n]), by + ky * (m - ring.centre[n])
+                elif power >= threshold:
+                    r = kx * out[0] + ky * out[1] - (m - ring.centre[n])
+                    out[2] += r * r
+                    out[6], out[7] = out[6] + kx * r, out[7] + ky * r
+        xx, xy, yy = out[3], out[4], out[5]
+        mean, radius = (xx + yy) / 2, np.hypot((xx - yy) / 2, xy)
+        flat = mean - radius <= 1e-9 * (mean + radius)
+        if flat:
+            break
+        determinant = xx * yy - xy * xy
+        out[0], out[1] = (yy * bx - xy * by) / determinant, (xx * by - xy * bx) / determinant
+    return used, close, flat, top * np.sqrt(threshold)
+
+
+@_compiled
+def only_leaked(ring, strongest, c, bar, across, along):
+    """Shell.notes: whether something is near, and none of it above what the strongest wave elsewhere may leak there.
+
+    Near is what has a magnitude of at least `bar` (if positive), or is within the width of either branch.
+    """
+    near = False
+    for n in range(ring.columns.size):
+        if ring.columns[n] == strongest:
+            return False
+    for n in range(ring.columns.size):
+        row, shift = ring.magnitude[ring.columns[n]], ring.kx[n] * c[0] + ring.ky[n] * c[1]
+        for m in range(row.size):
+            if bar > 0:
+                here = row[m] >= bar
+            else:
+                here = min(abs(m - ring.centre[n] - shift), abs(m + ring.centre[n] - shift)) <= ring.width
+            if here:
+                near = True
+                if row[m] > across[0, ring.columns[n]] * along[0, m] + across[1, ring.columns[n]] * along[1, m]:
+                    return False
+    return near
