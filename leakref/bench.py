@@ -119,7 +119,7 @@ def _fast(configuration: Configuration, repeats: int = 5, **settings: Any) -> fl
 
 def _realization(configuration: Configuration) -> Row:
     """The row others read: literal over fast, both without the search for other basins; the fast one on one thread."""
-    quick = _fast(configuration, 9, search=False)
+    quick = _fast(configuration, 31, search=False)
     slow = seconds(lambda: literal(configuration, 0), 1)
     return Row("realization", quick, "literal chain, all threads", slow / quick)
 

@@ -103,6 +103,24 @@ def reproduce(
                route=route.upper(), json=json, workers=workers or os.cpu_count() or 1, scheduler=scheduler)
 
 
+@command(PAPER)
+def claims(
+    ids: Annotated[list[str] | None, typer.Argument(help="Claims (A4) or groups of them (A); default: all.")] = None,
+    realizations: Annotated[int, typer.Option(min=2, help="How many of each configuration.")] = 100,
+    place: Annotated[Path, typer.Option("--folder", help="Where realisations are kept, as by reproduce --out.")
+                     ] = Path("leakref-results"),
+    figures: Annotated[bool, typer.Option("--figures", help="A picture of each claim, in the folder.")] = False,
+    out: Annotated[Path | None, typer.Option(help="File for the JSON.")] = None,
+    workers: Annotated[int, typer.Option(min=0, help="Processes; 0: one for each core.")] = 0,
+    json: Json = False,
+) -> bool:
+    """The paper's statements: which are reproduced, which are not, which depend on how they are read."""
+    from leakref.claims.command import run
+
+    return run(ids or [], realizations=realizations, place=place, figures=figures, out=out,
+               workers=workers or os.cpu_count() or 1, json=json)
+
+
 @command(DATA)
 def extract(
     file: Annotated[Path, typer.Argument(help="A cube: npz, mat (v5 to v7), NetCDF, or npy with --spacing.")],

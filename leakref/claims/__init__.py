@@ -15,5 +15,6 @@ from leakref.claims.registry import Claim, Finding, chosen
 
 __all__ = ["CLAIMS", "EXTRA", "Claim", "Evidence", "Finding", "chosen"]
 
-CLAIMS: dict[str, Claim] = {id: _CLAIMS[id] for id in sorted(_CLAIMS, key=lambda i: ("WNAPRUG".index(i[0]), int(i[1:])))}
+CLAIMS: dict[str, Claim] = {
+    id: _CLAIMS[id] for id in sorted(_CLAIMS, key=lambda i: ("WNAPRUG".index(i[0]), int(i[1:])))}
 """Every claim by its id, in the order of the paper's list."""

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from itertools import product
 
 import numpy as np
 
+from leakref._base import FloatArray
 from leakref.claims.configurations import CURRENTS, SPEEDS, current, turned
 from leakref.claims.evidence import Evidence
 from leakref.claims.registry import claim
-from leakref.claims.words import (ABOVE, ALL, BELOW, MEASURES, NEAR, RESOLUTIONS, WINDOWS, Reading, Sample, Tally, above,
-                                  across, alike, along, below, bias, direction, either, every, excess, magnitude, missed,
-                                  most, pooled, significant, smaller, within)
+from leakref.claims.words import (ABOVE, ALL, BELOW, MEASURES, NEAR, RESOLUTIONS, WINDOWS, Band, Reading, Sample, Tally,
+                                  above, across, alike, along, below, bias, direction, either, every, magnitude,
+                                  missed, most, pooled, significant, smaller, within)
 from leakref.ensemble import Ensemble
 
 _FOLLOWING, _CROSSING, _OPPOSING = CURRENTS.values()
@@ -81,10 +82,9 @@ def _(see: Evidence) -> Iterator[Reading]:
        "The mean vector's component along +-90 deg is significant at k < 1.5; and, if the limit is meant as one, not "
        "significant at k > 1.65. Not rotated, all speeds.")
 def _(see: Evidence) -> Iterator[Reading]:
-    def turning(test: object, inside: object) -> Tally:
+    def turning(test: Callable[[Sample, FloatArray], Tally], inside: Band) -> Tally:
         ensembles = [see(current(speed, _CROSSING), "box") for speed in SPEEDS]
-        return pooled(*(test(across(e, 0).at(inside), smaller(e)[inside(e.wavenumbers)])  # type: ignore[operator]
-                        for e in ensembles))
+        return pooled(*(test(across(e, 0).at(inside), smaller(e)[inside(e.wavenumbers)]) for e in ensembles))
 
     turn, rest = turning(significant, lambda k: k < 1.5 - 1e-9), turning(alike, lambda k: k > 1.65)
     yield from either({"limit": "below 1.5 they turn"}, turned=turn)
@@ -92,8 +92,8 @@ def _(see: Evidence) -> Iterator[Reading]:
 
 
 @claim("U4", "with Hann, following and opposing: biases in size and direction are much reduced", "sec:current",
-       "Error of size (mean of |c - U|, or mean of |c| against U) below that untapered by a significant amount; error of "
-       "direction (of the mean vector, or the mean over DSVs) below that untapered. Not rotated.")
+       "Error of size (mean of |c - U|, or mean of |c| against U) below that untapered by a significant amount; error "
+       "of direction (of the mean vector, or the mean over DSVs) below that untapered. Not rotated.")
 def _(see: Evidence) -> Iterator[Reading]:
     for (measure, size), (words, angle) in product(MEASURES.items(), _ANGLES.items()):
         sizes, angles = [], []
@@ -144,8 +144,8 @@ def _(see: Evidence) -> Iterator[Reading]:
 
 
 @claim("U7", "rotated by 30 deg, untapered: stronger biases, above all for a crossing current", "sec:current",
-       "Error (mean of |c| against U, or of |c - U|) above that of the same sea not rotated, all currents; and the rise, "
-       "mean over shells, for a crossing current above those of the others. Rotated either way (D23).")
+       "Error (mean of |c| against U, or of |c - U|) above that of the same sea not rotated, all currents; and the "
+       "rise, mean over shells, for a crossing current above those of the others. Rotated either way (D23).")
 def _(see: Evidence) -> Iterator[Reading]:
     for (measure, of), (sense, angle) in product(MEASURES.items(), _SENSES.items()):
         rise = {(speed, way): of(see(current(speed, way, angle if way == _CROSSING else 30.0), "box"))
@@ -180,8 +180,8 @@ def _length(e: Ensemble) -> np.ndarray:
 
 
 @claim("U9", "with Hann, rotated and unrotated results are virtually indistinguishable", "sec:current",
-       "Rotated by 30 deg against the same sea not rotated, paired: mean of |c|, mean of |c - U|, or both components of "
-       "the mean vector turned back; not significantly different, or closer than the smaller resolution.")
+       "Rotated by 30 deg against the same sea not rotated, paired: mean of |c|, mean of |c - U|, or both components "
+       "of the mean vector turned back; not significantly different, or closer than the smaller resolution.")
 def _(see: Evidence) -> Iterator[Reading]:
     pairs = [(see(current(one.speed, one.current_direction, 30.0), "hann"), see(one, "hann")) for one in turned(0.0)]
     differences = {"mean of |c|": [bias(a) - bias(b) for a, b in pairs],

@@ -6,7 +6,7 @@ import hashlib
 import json
 import zipfile
 import zlib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import asdict, dataclass, replace
 from itertools import repeat
@@ -161,7 +161,7 @@ def _timed(configuration: Configuration, repeats: int = 3) -> dict[str, FloatArr
     seconds: dict[str, FloatArray] = {}
     with runs.one_thread():
         shells = [shell_at(spectrum, k_i) for k_i in k]
-        for name, work in (("shell", lambda i: shell_at(spectrum, k[i])),
+        for name, work in (("shell", lambda i: shell_at(spectrum, float(k[i]))),
                            ("nsp", lambda i: nsp.optimum(shells[i], a, 1.0, search=False)),
                            ("ls", lambda i: leastsquares.optimum(shells[i])),
                            ("ls by Nelder-Mead", lambda i: _least_squares_by_simplex(shells[i]))):
@@ -169,9 +169,9 @@ def _timed(configuration: Configuration, repeats: int = 3) -> dict[str, FloatArr
     return seconds
 
 
-def _clocked(work: object, i: int) -> float:
+def _clocked(work: Callable[[int], object], i: int) -> float:
     start = perf_counter()
-    work(i)  # type: ignore[operator]
+    work(i)
     return perf_counter() - start
 
 

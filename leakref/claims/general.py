@@ -9,9 +9,9 @@ from leakref.cases import CASES, Configuration
 from leakref.claims.configurations import DIRECTIONS, GAMMAS, LENGTHS, SPREADS, domain, narrow_domain, peaked, sea
 from leakref.claims.evidence import Evidence
 from leakref.claims.registry import claim
-from leakref.claims.words import (ABOVE, BELOW, MEASURES, NEAR, RESOLUTIONS, WINDOWS, Reading, Sample,
-                                  Tally, above, below, bias, both, deviation, either, magnitude, missed, pooled, random, ratio,
-                                  smaller)
+from leakref.claims.words import (ABOVE, AWAY, BELOW, MEASURES, NEAR, RESOLUTIONS, WINDOWS, Reading, Sample, Tally,
+                                  above, below, bias, both, deviation, either, magnitude, missed, pooled, random,
+                                  ratio, smaller)
 
 _ALL = tuple(c for members in CASES.values() for c in members)
 _STILL = tuple(c for c in _ALL if not c.speed)
@@ -30,8 +30,8 @@ def _(see: Evidence) -> Iterator[Reading]:
 
 
 @claim("G2", "a window reduces the severity in nearly all cases", "abstract",
-       "Bias (with a current: mean of |c| against U, or of |c - U|), or random part, under Hann below that untapered in "
-       "nearly all cases, that is about all, 90 %; cases counted as configurations (mean over shells) or as shells.")
+       "Bias (with a current: mean of |c| against U, or of |c - U|), or random part, under Hann below that untapered "
+       "in nearly all cases, that is about all, 90 %; cases counted as configurations (mean over shells) or as shells.")
 def _(see: Evidence) -> Iterator[Reading]:
     for words, of in {**MEASURES, "random part": random}.items():
         gains = [of(see(one, "box")) - of(see(one, "hann")) for one in _ALL]
@@ -57,11 +57,11 @@ def _influence(see: Evidence, window: str, pairs: list[tuple[Configuration, Conf
     return 1 / len(parts) * total
 
 
-@claim("G3", "a window mitigates limited resolution more effectively in space than in time (abstract); the influence of "
-       "frequency resolution is nearly eliminated (sec:resolution, sec:conclusions)", "abstract, sec:conclusions",
+@claim("G3", "a window mitigates limited resolution more effectively in space than in time (abstract); the influence "
+       "of frequency resolution is nearly eliminated (sec:resolution, sec:conclusions)", "abstract, sec:conclusions",
        "Influence of L (steps 5, 10, 20 at equal T) and of T (10, 20, 80 at equal L): mean size of the differences of "
-       "bias. Abstract: a smaller share of that of L is left under Hann. Conclusions: at most 10 % of that of T is left, "
-       "or less than the smaller resolution at the peak for L = 20, T = 80. They contradict: two statements.")
+       "bias. Abstract: a smaller share of that of L is left under Hann. Conclusions: at most 10 % of that of T is "
+       "left, or less than the smaller resolution at the peak for L = 20, T = 80. They contradict: two statements.")
 def _(see: Evidence) -> Iterator[Reading]:
     durations = (10.0, 20.0, 80.0)
     in_space = [(domain(a, t), domain(b, t)) for (a, b), t in product(pairwise(LENGTHS), durations)]
@@ -70,7 +70,8 @@ def _(see: Evidence) -> Iterator[Reading]:
     left_space, left_time = (ratio(found["hann"], found["box"]) for found in (space, time))
     finest = min(float(x) for x in (1 / 80, 0.5 / 20))  # domega / k and c_g dk / k at k = 1
     figure = {"left_of_space": float(f"{left_space.mean[0]:.3g}"), "left_of_time": float(f"{left_time.mean[0]:.3g}"),
-              "hann_time_c0": float(f"{time['hann'].mean[0]:.3g}"), "hann_space_c0": float(f"{space['hann'].mean[0]:.3g}")}
+              "hann_time_c0": float(f"{time['hann'].mean[0]:.3g}"),
+              "hann_space_c0": float(f"{space['hann'].mean[0]:.3g}")}
     for words, tally in (("abstract: more in space", above(left_time - left_space)),
                          ("conclusions: at most 10 % of time is left", below(left_time, 0.1)),
                          ("conclusions: time matters less than a resolution", below(time["hann"], finest))):
@@ -90,8 +91,8 @@ def _(see: Evidence) -> Iterator[Reading]:
 
 
 @claim("G5", "biases are most severe at low wavenumbers", "sec:conclusions",
-       "Bias at k < 1, mean over shells, above that at |k - 1| <= 0.1 (the text: compared to the peak), or at k > 1; in "
-       "c0 or in units of the smaller resolution; still water, counted by configuration; untapered and Hann.")
+       "Bias at k < 1, mean over shells, above that at |k - 1| <= 0.1 (the text: compared to the peak), or at k > 1; "
+       "in c0 or in units of the smaller resolution; still water, counted by configuration; untapered and Hann.")
 def _(see: Evidence) -> Iterator[Reading]:
     bands = {"the peak": NEAR, "k > 1": ABOVE}
     for unit, (words, band), window in product(("c0", "the resolution"), bands.items(), WINDOWS):
@@ -99,8 +100,8 @@ def _(see: Evidence) -> Iterator[Reading]:
         for one in _STILL:
             e = see(one, window)
             size = bias(e) if unit == "c0" else 1 / smaller(e) * bias(e)
-            parts.append(above(size.at(lambda k, b=band: BELOW(k) & ~(NEAR(k) & (b is NEAR))).over()
-                               - size.over(band)))
+            low = size.at(BELOW).at(AWAY) if band is NEAR else size.at(BELOW)  # no shell on both sides
+            parts.append(above(low.over() - size.over(band)))
         yield from either({"unit": unit, "compared to": words, "window": window}, low_is_worst=pooled(*parts))
 
 
@@ -116,4 +117,6 @@ def _(see: Evidence) -> Iterator[Reading]:
         poorest = see(series[-1], "box")
         unusable = above(bias(poorest), choose(*poorest.resolutions))
         for holds_at, answer in (("every shell", worse.every), ("most shells", worse.most)):
-            yield Reading({"poorer": words, "resolution": resolution, "rises at": holds_at}, both(answer, unusable.most), {"rises": worse.figure, "unusable": unusable.figure}, {"rises": worse, "unusable": unusable})
+            yield Reading({"poorer": words, "resolution": resolution, "rises at": holds_at},
+                          both(answer, unusable.most),
+                          {"rises": worse.figure, "unusable": unusable.figure}, {"rises": worse, "unusable": unusable})

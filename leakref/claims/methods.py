@@ -50,7 +50,8 @@ def _(see: Evidence) -> Iterator[Reading]:
 def _(see: Evidence) -> Iterator[Reading]:
     for (cut, setting), (words, of), window in product(_THRESHOLDS.items(), STATISTICS.items(), WINDOWS):
         worse = of(see(_CASE, window)) - of(see(_CASE, window, "ls", setting))
-        yield from either({"threshold (D7)": cut, "statistic": words, "window": window}, nsp_worse=above(worse.at(BELOW)))
+        yield from either({"threshold (D7)": cut, "statistic": words, "window": window},
+                          nsp_worse=above(worse.at(BELOW)))
 
 
 @claim("N4", "for k < 1 the random part makes both unusable", "sec:LSvsNSP",
@@ -60,7 +61,8 @@ def _(see: Evidence) -> Iterator[Reading]:
     for (cut, setting), sd, resolution, window in product(_THRESHOLDS.items(), (2, 1), ("larger", "smaller"), WINDOWS):
         nsp, ls = (_over_limit(e, sd * random(e), resolution, BELOW)
                    for e in (see(_CASE, window), see(_CASE, window, "ls", setting)))
-        yield from either({"threshold (D7)": cut, "level": f"{sd} sd", "resolution": resolution, "window": window}, nsp=nsp, ls=ls)
+        yield from either({"threshold (D7)": cut, "level": f"{sd} sd", "resolution": resolution, "window": window},
+                          nsp=nsp, ls=ls)
 
 
 @claim("N5", "LS is consistently worse than NSP, never better, for practical purposes", "sec:LSvsNSP",
@@ -72,7 +74,8 @@ def _(see: Evidence) -> Iterator[Reading]:
         nsp, ls = see(_CASE, window), see(_CASE, window, "ls", setting)
         differences = [(of(ls) - of(nsp)).at(inside) for of in STATISTICS.values()]
         worse = pooled(*map(above, differences))
-        yield from every({"threshold (D7)": cut, "band": band, "window": window, "holds at": "every shell"}, worse=worse)
+        yield from every({"threshold (D7)": cut, "band": band, "window": window, "holds at": "every shell"},
+                         worse=worse)
         better = sum(int((significant(d, smaller(nsp)[inside(nsp.wavenumbers)]).shown & (d.mean < 0)).sum())
                      for d in differences)
         yield Reading({"threshold (D7)": cut, "band": band, "window": window, "holds at": "most shells, never better"},

@@ -75,8 +75,8 @@ def _(see: Evidence) -> Iterator[Reading]:
 
 
 @claim("P5", "with Hann, below resolution even for gamma = 7, spread 15 deg", "sec:peakedness",
-       "Random and mean biases: mean and one, or two, sd of |c|, or mean + 2 sd, below the smaller or larger resolution "
-       "at every shell.")
+       "Random and mean biases: mean and one, or two, sd of |c|, or mean + 2 sd, below the smaller or larger "
+       "resolution at every shell.")
 def _(see: Evidence) -> Iterator[Reading]:
     e = see(peaked(15, 7.0), "hann")
     levels = {"mean and 1 sd": [bias(e), random(e)], "mean and 2 sd": [bias(e), 2 * random(e)],
@@ -88,8 +88,8 @@ def _(see: Evidence) -> Iterator[Reading]:
 
 
 @claim("P6", "with Hann the dependence on the spread is effectively gone", "sec:peakedness",
-       "Bias, or random part, at any two spreads 15 to 60, equal gamma: not significantly different, or closer than the "
-       "smaller resolution.")
+       "Bias, or random part, at any two spreads 15 to 60, equal gamma: not significantly different, or closer than "
+       "the smaller resolution.")
 def _(see: Evidence) -> Iterator[Reading]:
     for words, of in STATISTICS.items():
         insignificant, negligible = [], []

@@ -11,8 +11,8 @@ from leakref._base import FloatArray
 from leakref.claims.configurations import LENGTHS, domain
 from leakref.claims.evidence import Evidence
 from leakref.claims.registry import claim
-from leakref.claims.words import (ABOVE, ALL, LEVELS, RESOLUTIONS, STATISTICS, WINDOWS, Band, Reading, Tally, above, alike,
-                                  below, bias, either, every, magnitude, pooled, positive, smaller, within)
+from leakref.claims.words import (ABOVE, ALL, LEVELS, RESOLUTIONS, STATISTICS, WINDOWS, Band, Reading, Tally, above,
+                                  alike, below, bias, either, every, magnitude, pooled, positive, smaller, within)
 from leakref.ensemble import Ensemble
 
 _DURATIONS = (10.0, 20.0, 80.0)

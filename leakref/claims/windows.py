@@ -118,7 +118,8 @@ def _(see: Evidence) -> Iterator[Reading]:
             scatter = {a: random(e).over() for a, e in found.items()}
             change = {a: Sample(e.wavenumbers, np.hypot(*np.moveaxis(found[a + 1].velocities - e.velocities, -1, 0))
                                 ).over() for a, e in found.items() if a < 6}
-            for stable, by, inner, outer in (("scatter", scatter, (3, 4, 5), (2, 6)), ("change", change, (3, 4), (2, 5))):
+            for stable, by, inner, outer in (("scatter", scatter, (3, 4, 5), (2, 6)),
+                                             ("change", change, (3, 4), (2, 5))):
                 yield from every({"stable": stable, "window": window, "sea": words},
                                  outside=pooled(*(above(by[o] - by[i]) for o in outer for i in inner)))
 

@@ -19,10 +19,45 @@ import numpy as np
 from leakref._base import FloatArray
 from leakref.ensemble import Ensemble
 
-__all__ = ["ALL", "ABOVE", "AWAY", "BELOW", "LEVELS", "MEASURES", "NEAR", "RESOLUTIONS", "STATISTICS", "WINDOWS",
-           "Answer", "Band", "Reading", "Sample", "Tally", "above", "across", "alike", "along", "below", "bias",
-           "both", "deviation", "direction", "either", "every", "excess", "magnitude", "missed", "most", "pooled", "positive", "random", "ratio",
-           "significant", "smaller", "within"]
+__all__ = [
+    "ABOVE",
+    "ALL",
+    "AWAY",
+    "BELOW",
+    "LEVELS",
+    "MEASURES",
+    "NEAR",
+    "RESOLUTIONS",
+    "STATISTICS",
+    "WINDOWS",
+    "Answer",
+    "Band",
+    "Reading",
+    "Sample",
+    "Tally",
+    "above",
+    "across",
+    "alike",
+    "along",
+    "below",
+    "bias",
+    "both",
+    "deviation",
+    "direction",
+    "either",
+    "every",
+    "excess",
+    "magnitude",
+    "missed",
+    "most",
+    "pooled",
+    "positive",
+    "random",
+    "ratio",
+    "significant",
+    "smaller",
+    "within",
+]
 
 WINDOWS = ("box", "hann")
 Answer = bool | None

@@ -1,0 +1,96 @@
+"""The picture of a claim: by how much each comparison behind it holds, at every shell."""
+
+from __future__ import annotations
+
+import textwrap
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.figure import Figure
+
+from leakref.claims.registry import Finding
+from leakref.claims.words import Reading, Tally
+from leakref.figures import COLOURS, figure, save
+
+__all__ = ["draw", "picture"]
+
+_MOST = 12  # panels
+_LOOKS = {"shown": COLOURS[2], "open": "0.6", "contradicted": COLOURS[1]}
+_ANSWERS = {True: "holds", False: "does not hold", None: "open"}
+
+
+def draw(finding: Finding, place: Path) -> list[Path]:
+    """Write `claim_ID.png` and `.svg` to the folder `place`."""
+    return save(picture(finding), place / f"claim_{finding.claim.id}")
+
+
+def picture(finding: Finding) -> Figure:
+    """A panel for each reading and comparison: the margin by which it holds, with two standard errors, against k.
+
+    Readings that differ only in how many shells must agree share a panel; beyond twelve, the rest is left out, and
+    said so. A claim without ensembles (windows, timings) is a panel of its readings.
+    """
+    panels: list[tuple[str, str, Tally]] = []
+    seen = set()
+    for reading in finding.readings:
+        choices = {name: chosen for name, chosen in reading.choices.items() if name not in ("holds at", "rises at")}
+        for part, tally in reading.tallies.items():
+            key = (tuple(choices.items()), part, tally.size)
+            if key not in seen:
+                seen.add(key)
+                panels.append((", ".join(choices.values()), part.replace("_", " "), tally))
+    if not panels:
+        return _list(finding)
+    left_out = len(panels) - _MOST
+    panels = panels[:_MOST]
+    columns = min(3, len(panels))
+    rows = -(-len(panels) // columns)
+    with mpl.rc_context({"axes.titlesize": 8, "font.size": 8}):
+        drawing, axes = figure(rows, columns, width=3.6 * columns + 0.4, height=2.3)
+        for ax, (words, part, tally) in zip(axes.flat, panels, strict=False):
+            _panel(ax, tally)
+            ax.set_title("\n".join(textwrap.wrap(f"{words}: {part}" if words else part, 46)))
+        for ax in axes.flat[len(panels):]:
+            ax.set_axis_off()
+        more = f" ({left_out} more panels in the JSON)" if left_out > 0 else ""
+        drawing.suptitle("\n".join(textwrap.wrap(f"{_title(finding)}{more}", 34 * columns + 10)), fontsize=9)
+    return drawing
+
+
+def _title(finding: Finding) -> str:
+    said = f" {', '.join(finding.depends_on)}" if finding.depends_on else ""
+    return f"{finding.claim.id}: {finding.claim.words} — {finding.verdict}{said}"
+
+
+def _panel(ax: Any, tally: Tally) -> None:
+    by_shell = np.ptp(tally.k) > 0 if tally.size else False
+    at = tally.k if by_shell else np.arange(1, tally.size + 1)
+    masks = {"shown": tally.shown, "contradicted": tally.contradicted,
+             "open": ~(tally.shown | tally.contradicted)}
+    for name, mask in masks.items():
+        if mask.any():
+            ax.errorbar(at[mask], tally.margin[mask], 2 * tally.error[mask], fmt="o", ms=2.5, lw=0.8,
+                        color=_LOOKS[name], label=f"{name} {mask.sum()}", alpha=0.8)
+    ax.axhline(0, color="black", lw=0.8)
+    ax.set_xlabel("$k$ / $k_0$" if by_shell else "comparison")
+    ax.set_ylabel("holds by")
+    if tally.size:
+        ax.legend(loc="best", fontsize=7)
+
+
+def _list(finding: Finding) -> Figure:
+    drawing, axes = figure(1, 1, width=8, height=0.8 + 0.35 * len(finding.readings))
+    ax = axes[0, 0]
+    ax.set_axis_off()
+    for row, reading in enumerate(finding.readings):
+        ax.text(0.0, 1 - (row + 0.5) / len(finding.readings), _line(reading), transform=ax.transAxes, va="center",
+                fontsize=8, color={True: COLOURS[2], False: COLOURS[1], None: "0.4"}[reading.holds])
+    drawing.suptitle("\n".join(textwrap.wrap(_title(finding), 100)), fontsize=9)
+    return drawing
+
+
+def _line(reading: Reading) -> str:
+    figures = ", ".join(f"{name.replace('_', ' ')} {value}" for name, value in reading.figure.items())
+    return f"{_ANSWERS[reading.holds]} — {reading.words} — {figures}"
