@@ -52,17 +52,17 @@ def save(drawing: Figure, path: Path) -> list[Path]:
 
 
 @mpl.rc_context(_STYLE)
-def result_figure(ensembles: Sequence[Ensemble], title: str) -> Figure:
+def result_figure(ensembles: Sequence[Ensemble], title: str, *, logarithmic: bool = False) -> Figure:
     """The form of fig:spec_ex: a column for each window; mean of |c| above, twice its standard deviation below.
 
-    Solid and dashed grey: the velocity resolutions from frequency and from wavenumber. With a current a third
-    row gives the direction of the mean velocity (fig:ConstCurr). Colour, line and marker follow the first,
-    second and third parameter that differs.
+    Solid and dashed grey: the velocity resolutions from frequency and from wavenumber. With a current a third row gives
+    the direction of the mean velocity (fig:ConstCurr), and dashed lines the true speeds. Colour, line and marker follow
+    the first, second and third parameter that differs.
     """
     windows = list(dict.fromkeys(e.window for e in ensembles))
     methods = list(dict.fromkeys(e.method for e in ensembles))
-    differing = [name for name in ensembles[0].configuration.varied
-                 if len({getattr(e.configuration, name) for e in ensembles}) > 1]
+    varied = dict.fromkeys(name for e in ensembles for name in e.configuration.varied)
+    differing = [name for name in varied if len({getattr(e.configuration, name) for e in ensembles}) > 1]
     with_current = any(e.configuration.speed for e in ensembles)
     drawing, axes = figure(3 if with_current else 2, len(windows), width=max(8.0, 3.2 * len(windows)), sharex=True,
                            sharey="row")
@@ -86,16 +86,22 @@ def result_figure(ensembles: Sequence[Ensemble], title: str) -> Figure:
             axes[2, column].plot(k, np.degrees(np.arctan2(*e.mean.T[::-1])), **look)
     grids = {e.configuration.grid: e for e in ensembles}
     for ax in axes[:2].flat:
-        for e in grids.values():
+        for number, e in enumerate(grids.values()):
             for resolution, line, what in zip(e.resolutions, ("-", "--"), (r"\omega", "k"), strict=True):
                 ax.plot(e.wavenumbers, resolution, color="0.6", ls=line, lw=1, zorder=0,
-                        label=rf"resolution $\delta c_{{\delta {what}}}$" if len(grids) == 1 else None)
+                        label=rf"resolution $\delta c_{{\delta {what}}}$" if number == 0 else None)
     for column, name in enumerate(windows):
         axes[0, column].set_title(_WINDOWS.get(name, name))
         axes[-1, column].set_xlabel("$k$ / $k_0$")
     for row, what in enumerate((r"mean of $|\tilde{c}|$ / $c_0$", r"2 $\sigma$ of $|\tilde{c}|$ / $c_0$")):
         axes[row, 0].set_ylabel(what)
-        axes[row, 0].set_ylim(bottom=0)
+        if logarithmic:
+            axes[row, 0].set_yscale("log")
+        else:
+            axes[row, 0].set_ylim(bottom=0)
+    for speed in sorted({e.configuration.speed for e in ensembles} - {0.0}):
+        for ax in axes[0]:
+            ax.axhline(speed, color="0.3", ls=(0, (6, 3)), lw=0.8, zorder=0)
     if with_current:
         axes[2, 0].set_ylabel("direction of the mean (°)")
         axes[2, 0].set_ylim(-180, 180)

@@ -81,10 +81,12 @@ def _draw(out: Path, ensembles: Sequence[Ensemble]) -> list[Path]:
         if e.method == "nsp" or e.configuration.case == "nsp-ls":
             rotated = f"_rotated{e.configuration.rotation:g}" if e.configuration.rotation else ""
             groups.setdefault(e.configuration.case + rotated, []).append(e)
-    return [path for name, members in groups.items()
-            for path in save(result_figure(members, f"case {name.replace('_', ', ')}, {len(members[0].velocities)} "
-                                                    f"realisation{'s' * (len(members[0].velocities) > 1)}"),
-                             out / f"figure_{name}")]
+    drawn = []
+    for name, members in groups.items():
+        count, still = len(members[0].velocities), not any(e.configuration.speed for e in members)
+        title = f"case {name.replace('_', ', ')}, {count} realisation{'s' * (count > 1)}"
+        drawn += save(result_figure(members, title, logarithmic=still and count > 1), out / f"figure_{name}")
+    return drawn
 
 
 def table(ensembles: Sequence[Ensemble]) -> Table:

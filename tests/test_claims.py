@@ -1,0 +1,320 @@
+"""The claims: all are there, each word of their vocabulary means what it says, and none is a constant."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from leakref import LeakrefError
+from leakref.cases import CASES, Configuration
+from leakref.claims import CLAIMS, EXTRA, Evidence, chosen, command, words
+from leakref.claims.evidence import PLAIN, Setting
+from leakref.claims.words import Sample
+from leakref.ensemble import Ensemble
+from leakref.window import WINDOWS, Window
+
+IDS = [f"{group}{n}" for group, count in (("W", 9), ("N", 6), ("A", 14), ("P", 6), ("R", 7), ("U", 11), ("G", 6))
+       for n in range(1, count + 1)]
+PATTERN = np.array([-1.3, 1.3, -0.4, 0.4, 1.0, -1.0, 0.1, -0.1])
+PATTERN /= PATTERN.std(ddof=1)
+
+
+def test_every_statement_of_the_list_is_a_claim():
+    assert list(CLAIMS) == IDS
+    for claim in CLAIMS.values():
+        assert claim.words
+        assert claim.label
+        assert claim.test.endswith(".")
+
+
+def test_extra_configurations_are_none_of_the_table():
+    table, extra = ([c.id for members in cases.values() for c in members] for cases in (CASES, EXTRA))
+    assert len(set(extra)) == len(extra)
+    assert not set(extra) & set(table)
+    assert {c.duration for c in EXTRA["L-T"]} == {5.0, 40.0}
+    assert {c.rotation for c in EXTRA["U"]} == {15.0, 45.0, -30.0}
+
+
+@pytest.mark.parametrize("name", ["A99", "B", "", "gamma"])
+def test_unknown_claims_are_refused(name):
+    with pytest.raises(LeakrefError, match="no claim is called"):
+        chosen([name])
+
+
+def test_claims_are_chosen_by_id_or_group():
+    assert [claim.id for claim in chosen(["a4", "P", "A4"])] == ["A4", *(f"P{n}" for n in range(1, 7))]
+    assert len(chosen([])) == len(IDS)
+    with pytest.raises(LeakrefError, match="two or more"):
+        Evidence(1)
+
+
+# ---- the vocabulary, on ensembles whose answer is known
+
+
+def ensemble(velocities, configuration=None, **parameters):
+    """An ensemble of hand-made velocities (R, n, 2) at the first n wavenumbers."""
+    one = configuration or Configuration("made-up", **parameters)
+    values = np.asarray(velocities, dtype=float)
+    k = one.wavenumbers[: values.shape[1]]
+    return Ensemble(one, "box", "nsp", k, values, np.zeros(values.shape[:2], dtype=np.int64))
+
+
+def sample(mean, sd=0.0, k=None):
+    mean = np.atleast_1d(np.asarray(mean, dtype=float))
+    return Sample(np.arange(mean.size, dtype=float) if k is None else np.asarray(k, dtype=float),
+                  mean + np.outer(PATTERN, np.broadcast_to(sd, mean.shape)))
+
+
+def test_bands_of_k():
+    k = np.arange(4, 36) / 10
+    assert words.BELOW(k).sum() == 6
+    assert words.ABOVE(k).sum() == 25
+    np.testing.assert_allclose(k[words.NEAR(k)], [0.9, 1.0, 1.1])
+    assert words.AWAY(k).sum() == 29
+    assert words.ALL(k).all()
+
+
+def test_mean_and_error_of_a_sample_and_of_a_paired_difference():
+    a, b = sample([1.0, 2.0], 0.5), sample([0.5, 2.5], 0.5)
+    np.testing.assert_allclose(a.mean, [1, 2])
+    np.testing.assert_allclose(a.error, 0.5 / np.sqrt(8))
+    np.testing.assert_allclose((a - b).mean, [0.5, -0.5])
+    np.testing.assert_allclose((a - b).error, 0, atol=1e-15)  # the same realisations: what they share drops out
+    np.testing.assert_allclose((2 * a).error, 1 / np.sqrt(8))
+    np.testing.assert_allclose((np.array([1.0, 3.0]) * a).mean, [1, 6])
+    assert a.over().mean == pytest.approx(1.5)
+
+
+def test_samples_meet_at_the_wavenumbers_and_realisations_that_both_have():
+    coarse, fine = sample([1.0, 2.0], k=[0.4, 0.6]), sample([0.1, 0.2, 0.3], k=[0.4, 0.5, 0.6])
+    difference = coarse - Sample(fine.k, fine.values[:5])
+    np.testing.assert_allclose(difference.k, [0.4, 0.6])
+    np.testing.assert_allclose(difference.mean, [0.9, 1.7])
+    assert difference.values.shape == (5, 2)
+
+
+def test_a_realisation_without_a_number_is_left_out():
+    values = np.array([[1.0, np.nan], [3.0, np.nan], [np.nan, np.nan]])
+    s = Sample(np.array([1.0, 2.0]), values)
+    np.testing.assert_allclose(s.mean, [2, np.nan])
+    np.testing.assert_allclose(s.error, [1, np.nan])
+    assert words.above(s).size == 1  # a shell without numbers is no shell
+
+
+def test_statistics_of_an_ensemble():
+    rng = np.random.default_rng(3)
+    e = ensemble(rng.normal(0.2, 0.1, (40, 5, 2)), speed=0.1, current_direction=90.0)
+    np.testing.assert_allclose(words.bias(e).mean, e.bias)
+    np.testing.assert_allclose(words.bias(e).error, e.standard_error)
+    np.testing.assert_allclose(words.random(e).mean, e.random)
+    np.testing.assert_allclose(words.LEVELS["mean + 2 sd"](e).mean, e.bias + 2 * e.random)
+    np.testing.assert_allclose(words.missed(e).mean, np.hypot(*(e.velocities - [0, 0.1]).T).T.mean(axis=0))
+    np.testing.assert_allclose(words.excess(e).mean, np.abs(e.bias - 0.1))
+    np.testing.assert_allclose(words.along(e, 90).mean, e.mean[:, 1])
+    np.testing.assert_allclose(words.across(e, 90).mean, -e.mean[:, 0])
+    np.testing.assert_allclose(words.direction(e, 90).mean, np.degrees(np.arctan2(-e.mean[:, 0], e.mean[:, 1])))
+    np.testing.assert_allclose(words.smaller(e), np.minimum(*e.resolutions))
+
+
+def test_the_error_of_a_standard_deviation_is_that_found_by_repeating():
+    rng = np.random.default_rng(5)
+    repeats = [words.random(ensemble(np.stack([rng.normal(3, 1, (100, 1)), np.zeros((100, 1))], axis=-1)))
+               for _ in range(400)]
+    found = np.std([r.mean[0] for r in repeats])
+    assert np.mean([r.error[0] for r in repeats]) == pytest.approx(found, rel=0.15)
+
+
+def test_ratio_has_the_error_of_a_ratio():
+    part, whole = sample([1.0], 0.1), sample([4.0], 0.4)
+    assert words.ratio(part, whole).mean == pytest.approx(0.25)
+    assert words.ratio(part, whole).error == pytest.approx(0, abs=1e-12)  # they rise and fall together
+    assert words.ratio(part, sample([4.0])).error == pytest.approx(0.1 / 4 / np.sqrt(8))
+
+
+def test_shown_contradicted_and_open():
+    se = 1 / np.sqrt(8)
+    tally = words.above(sample([3 * se, se, -se, -3 * se], 1.0))
+    np.testing.assert_array_equal(tally.shown, [True, False, False, False])
+    np.testing.assert_array_equal(tally.contradicted, [False, False, False, True])
+    assert (tally.every, tally.most) == (False, None)
+    assert words.above(sample([3 * se, se], 1.0)).every is None
+    assert words.above(sample([3 * se, 4 * se], 1.0)).every is True
+    assert words.above(sample([1.0, 1.0, -1.0])).most is True
+    assert words.above(sample([1.0, -1.0])).most is False  # half is not most
+    assert words.above(sample([0.0])).every is False  # surely zero is not above zero
+    assert words.below(sample([1.0, 2.0]), np.array([1.5, 2.5])).every is True
+    assert words.pooled(words.above(sample([1.0])), words.above(sample([-1.0]))).figure == {
+        "shown": 1, "contradicted": 1, "of": 2, "mean_margin": 0.0}
+
+
+def test_nothing_compared_is_nothing_shown():
+    assert words.above(sample([1.0]).at(lambda k: k > 9)).every is False
+    assert words.above(sample([1.0]).at(lambda k: k > 9)).most is False
+
+
+def test_significant_takes_two_errors_and_a_tenth_of_the_resolution():
+    se, resolution = 1 / np.sqrt(8), np.ones(4)
+    difference = sample([0.2, 0.05, -0.2, 1.0], [0.01, 0.01, 0.01, 1.5 / 2 / se])
+    np.testing.assert_array_equal(words.significant(difference, resolution).shown, [True, False, True, False])
+    np.testing.assert_array_equal(words.alike(difference, resolution).shown, [False, True, False, True])
+    np.testing.assert_array_equal(words.within(sample([0.2, -0.2, 0.4]), 0.3).shown, [True, True, False])
+
+
+def test_readings_every_and_most():
+    tally = words.above(sample([1.0, 1.0, -1.0]))
+    every, most = words.either({"window": "box"}, part=tally)
+    assert (every.holds, most.holds) == (False, True)
+    assert most.words == "window: box, holds at: most shells"
+    assert [words.both(*answers) for answers in ((True, True), (True, None), (None, False))] == [True, None, False]
+
+
+# ---- the predicates, on made-up evidence
+
+
+class Stretched(Window):
+    """A Hann window whose lobes are wider by a factor."""
+
+    def __init__(self, factor):
+        super().__init__("stretched", (0.5, 0.5))
+        object.__setattr__(self, "factor", factor)
+
+    def transform(self, offset):
+        return super().transform(np.asarray(offset) / self.factor)
+
+
+class Round(Window):
+    """Leaks the same in all directions."""
+
+    def transform(self, offset):
+        v = np.asarray(offset)
+        return np.sin(np.pi * v) * np.exp(-(v**2) / 400)
+
+
+class MadeUp:
+    """Evidence by a formula: (c, window, method, setting, k, smaller, larger) to size, sd and direction of c - U."""
+
+    realizations = PATTERN.size
+
+    def __init__(self, formula, windows=None, seconds=(1.0, 2.0, 0.01)):
+        self.formula, self.windows, self.times, self.kept = formula, windows or {}, seconds, {}
+
+    def window(self, name):
+        return self.windows.get(name, WINDOWS[name])
+
+    def seconds(self, configuration):
+        shell, nsp, ls = self.times
+        ones = np.ones(configuration.wavenumbers.size)
+        return {"shell": shell * ones, "nsp": nsp * ones, "ls": ls * ones, "ls by Nelder-Mead": ls * ones}
+
+    def __call__(self, c, window, method="nsp", setting=PLAIN):
+        key = (c, window, method, setting)
+        if key not in self.kept:
+            k = c.wavenumbers
+            e = Ensemble(c, window, method, k, np.zeros((2, k.size, 2)), np.zeros((2, k.size), dtype=np.int64))
+            size, sd, angle = self.formula(c, window, method, setting, k, *np.sort(e.resolutions, axis=0))
+            angle = np.radians(np.broadcast_to(angle, k.shape) + c.rotation)
+            length = size + np.outer(PATTERN, np.broadcast_to(sd, k.shape))
+            velocities = c.current + np.stack([length * np.cos(angle), length * np.sin(angle)], axis=-1)
+            self.kept[key] = Ensemble(c, window, method, k, velocities, np.zeros(length.shape, dtype=np.int64))
+        return self.kept[key]
+
+
+def nothing(c, window, method, setting, k, small, large):
+    """A perfect measurement."""
+    return 1e-7 * np.ones_like(k), 1e-9, 33.0
+
+
+def everything(c, window, method, setting, k, small, large):
+    """As bad as can be, whatever is done."""
+    return 3 + 0 * k, 1.0, 33.0
+
+
+def _gentle(c):
+    return 1 + 0.1 * (60 / min(c.spread, 60) - 1)
+
+
+def paper(c, window, method, setting, k, small, large):
+    """Much as the paper has it: grows where it says so, and tapering helps."""
+    low, near = k < 1 - 1e-9, np.abs(k - 1) < 0.11
+    tapered = window != "box"
+    narrow = (60 / min(c.spread, 60)) ** 0.5 * (1 + 0.02 * (c.peakedness - 1) * (60 / min(c.spread, 60) - 0.999) ** 2)
+    aside = 1 + (90 - min(c.direction + c.rotation, 90)) / 30
+    if tapered:
+        size = (0.2 if window == "blackman" else 0.1) * (10 / c.length) * 0.01 * (1 + low) * (1 + 0.001 * narrow)
+        if c.speed and not c.current_direction:
+            size = size + 0.1
+        return size * (1 + 0.0001 * (80 / c.duration)), 0.1 * size, 90.0
+    size = np.where(low, 0.4, 0.02) * narrow * aside * (10 / c.length) ** 2 * (20 / c.duration) ** 0.3
+    size = np.where(near, 0.001 * narrow, size)
+    return size * (1 + (c.length == 5 and c.duration == 80)), 0.1 * size, np.where(low, 90.0, -90.0)
+
+
+def reverse(c, window, method, setting, k, small, large):
+    """The opposite of all that: untapered is best, wide and long is worst."""
+    high = k > 1
+    size = (0.01 if window == "box" else 0.4) * (1 + high) * (c.spread / 60) * (c.length / 5) * (c.duration / 5) ** 2
+    size = size / c.peakedness * (1 + np.abs(k - 1) ** 0.1) * np.where(np.abs(k - 1) < 0.11, 2, 1)
+    size = size * (1 + (c.direction + c.rotation) / 90)
+    return size * (2 if method == "nsp" else 1), 0.1 * size, np.where(high, 90.0, -90.0)
+
+
+def method_world(nsp_low, nsp_high, ls_low, ls_high):
+    def formula(c, window, method, setting, k, small, large):
+        pair = (nsp_low, nsp_high) if method == "nsp" else (ls_low, ls_high)
+        size = np.where(k < 1, *pair) * large
+        return size, 0.5 * size, 90.0
+    return formula
+
+
+def angled(angle, size=1.0):
+    """Errors of some resolutions in one direction."""
+    return lambda c, window, method, setting, k, small, large: (size * small, 0.01 * small, angle)
+
+
+def by(size, sd=0.01, angle=90.0):
+    """Errors in units of the smaller resolution that depend on the configuration."""
+    return lambda c, window, method, setting, k, small, large: (
+        (s := size(c, window, setting, k) * small), sd * s, angle)
+
+
+SPREAD = {15: 8.0, 30: 4.0, 45: 2.0}
+WORLDS = {
+    "nothing": MadeUp(nothing, {"box": WINDOWS["hann"], "blackman": WINDOWS["box"], "hann": WINDOWS["box"]}),
+    "everything": MadeUp(everything, {"box": Round("round"), "hann": Round("round")}, (1.0, 1.0, 2.0)),
+    "paper": MadeUp(paper, {"blackman": Stretched(1.2), "hann": Window("hann", (0.5, 0.5))}),
+    "reverse": MadeUp(reverse, {"hann": Stretched(0.65)}),
+    "nsp better": MadeUp(method_world(0.1, 0.1, 6, 6), seconds=(0.0, 3.0, 1.0)),
+    "ls better": MadeUp(method_world(6, 6, 5, 5)),
+    "nsp better high": MadeUp(method_world(9, 0.1, 6, 6)),
+    "across": MadeUp(angled(150.0, 9.0)),
+    "small across": MadeUp(angled(0.0, 0.3)),
+    "along": MadeUp(angled(90.0, 0.3)),
+    "against": MadeUp(angled(-90.0, 0.3)),
+    "width": MadeUp(by(lambda c, w, s, k: abs(s.width - 4) ** 3 + 0.1 + 0 * k, 0.3)),
+    "width off": MadeUp(by(lambda c, w, s, k: 30 - abs(s.width - 4) ** 3 + 0 * k, 0.3)),
+    "blackman higher": MadeUp(by(lambda c, w, s, k: (0.21 if w == "blackman" else 0.2) + 0 * k)),
+    "blackman lower": MadeUp(by(lambda c, w, s, k: (0.1 if w == "blackman" else 0.9) + 0 * k)),
+    "spread": MadeUp(by(lambda c, w, s, k: SPREAD.get(c.spread, 0.5) + 0 * k)),
+    "gamma": MadeUp(by(lambda c, w, s, k: np.where(np.abs(k - 1) < 0.11, 0.1, np.where(
+        k < 1, (SPREAD.get(c.spread, 0.0) - (c.spread == 15) * 1.0) * c.peakedness / 20 + 2 * (w == "box") + 0.05 * c.peakedness,
+        0.1 + SPREAD.get(c.spread, 0.0) * c.peakedness / 20 + 0.001 * c.peakedness)))),
+    "direction": MadeUp(by(lambda c, w, s, k: (9 if w == "box" else 0.1) * (1 + (90 - min(90, c.direction + c.rotation)) / 30)
+                           + 0 * k)),
+    "peak": MadeUp(by(lambda c, w, s, k: (0.01 if s.without_peak else 4.0) * np.where(np.abs(k - 1) < 0.11, 3, 1))),
+}
+"""Made-up evidence between which every verdict changes."""
+
+
+@pytest.fixture(scope="module")
+def verdicts():
+    with np.errstate(all="ignore"):
+        return {id: {name: claim.judge(world).verdict for name, world in WORLDS.items()} for id, claim in CLAIMS.items()}
+
+
+def test_show(verdicts):
+    for id, found in verdicts.items():
+        kinds = set(found.values())
+        if not {"reproduced", "not reproduced"} <= kinds:
+            print(id, {k: [n for n, v in found.items() if v == k] for k in kinds})
