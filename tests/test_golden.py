@@ -209,7 +209,7 @@ def test_changing_a_number_is_seen_and_named(file, copy):
 @pytest.mark.slow
 @pytest.mark.parametrize("file", FILES)
 def test_changing_any_of_many_numbers_is_seen_and_named(file, copy):
-    assert_seen(file, copy, 60)
+    assert_seen(file, copy, 15)
 
 
 def test_changing_a_number_of_an_archive_is_seen_and_named(copy):

@@ -20,35 +20,40 @@ CURRENTS = {"following": 90.0, "crossing": 0.0, "opposing": -90.0}
 ROTATIONS = ((60.0, 15.0), (60.0, 30.0), (75.0, 15.0), (45.0, 45.0))  # theta0 and angle; sums are 75, 90, 90, 90
 
 
+def _configuration(case: str, varied: tuple[str, ...], **values: float) -> Configuration:
+    """Numbers as floats: 60 and 60.0 are one sea, but would be kept as two."""
+    return Configuration(case, varied=varied, **{name: float(value) for name, value in values.items()})  # type: ignore[arg-type]
+
+
 def sea(direction: float, spread: float, rotation: float = 0.0) -> Configuration:
     """Of case-theta0-DeltaTheta."""
     turn = ("rotation",) if rotation else ()
-    return Configuration("theta0-dtheta", direction=direction, spread=spread, rotation=rotation,
-                         varied=("direction", "spread", *turn))
+    return _configuration("theta0-dtheta", ("direction", "spread", *turn), direction=direction, spread=spread,
+                          rotation=rotation)
 
 
 def peaked(spread: float, peakedness: float = 3.3, length: float = 10.0) -> Configuration:
     """Of case-gamma, theta0 = 60 degrees."""
     side = () if length == 10 else ("length",)
-    return Configuration("gamma", direction=60.0, spread=spread, peakedness=peakedness, length=length,
-                         varied=("spread", "peakedness", *side))
+    return _configuration("gamma", ("spread", "peakedness", *side), direction=60, spread=spread, peakedness=peakedness,
+                          length=length)
 
 
 def domain(length: float, duration: float) -> Configuration:
     """Of case-L-T."""
-    return Configuration("L-T", length=length, duration=duration, varied=("length", "duration"))
+    return _configuration("L-T", ("length", "duration"), length=length, duration=duration)
 
 
 def narrow_domain(length: float, duration: float) -> Configuration:
     """A narrow, strongly directional sea (theta0 = 60, spread 15 degrees) at other resolutions."""
-    return Configuration("theta0-dtheta", direction=60.0, spread=15.0, length=length, duration=duration,
-                         varied=("direction", "spread", "length", "duration"))
+    return _configuration("theta0-dtheta", ("direction", "spread", "length", "duration"), direction=60, spread=15,
+                          length=length, duration=duration)
 
 
 def current(speed: float, direction: float = 0.0, rotation: float = 0.0) -> Configuration:
     """Of case-U."""
-    return Configuration("U", speed=speed, current_direction=direction if speed else 0.0, rotation=rotation,
-                         varied=("rotation", "speed", "current_direction") if speed else ("rotation", "speed"))
+    return _configuration("U", ("rotation", "speed", "current_direction") if speed else ("rotation", "speed"),
+                          speed=speed, current_direction=direction if speed else 0, rotation=rotation)
 
 
 def turned(rotation: float, currents: Iterable[float] = CURRENTS.values()) -> Iterator[Configuration]:

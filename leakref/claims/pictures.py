@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from leakref.claims.registry import Finding
 from leakref.claims.words import Reading, Tally
 from leakref.figures import COLOURS, figure, save
+from leakref.window import window
 
 __all__ = ["draw", "picture"]
 
@@ -55,7 +56,7 @@ def picture(finding: Finding) -> Figure:
         for ax in axes.flat[len(panels):]:
             ax.set_axis_off()
         more = f" ({left_out} more panels in the JSON)" if left_out > 0 else ""
-        drawing.suptitle("\n".join(textwrap.wrap(f"{_title(finding)}{more}", 34 * columns + 10)), fontsize=9)
+        drawing.suptitle("\n".join(textwrap.wrap(f"{_title(finding)}{more}", 36 * columns + 14)), fontsize=9)
     return drawing
 
 
@@ -74,23 +75,43 @@ def _panel(ax: Any, tally: Tally) -> None:
             ax.errorbar(at[mask], tally.margin[mask], 2 * tally.error[mask], fmt="o", ms=2.5, lw=0.8,
                         color=_LOOKS[name], label=f"{name} {mask.sum()}", alpha=0.8)
     ax.axhline(0, color="black", lw=0.8)
-    ax.set_xlabel("$k$ / $k_0$" if by_shell else "comparison")
+    ax.set_xlabel("$k$ / $k_0$" if by_shell else "comparison, in the order of the case")
     ax.set_ylabel("holds by")
     if tally.size:
         ax.legend(loc="best", fontsize=7)
 
 
 def _list(finding: Finding) -> Figure:
-    drawing, axes = figure(1, 1, width=8, height=0.8 + 0.35 * len(finding.readings))
-    ax = axes[0, 0]
-    ax.set_axis_off()
-    for row, reading in enumerate(finding.readings):
-        ax.text(0.0, 1 - (row + 0.5) / len(finding.readings), _line(reading), transform=ax.transAxes, va="center",
-                fontsize=8, color={True: COLOURS[2], False: COLOURS[1], None: "0.4"}[reading.holds])
-    drawing.suptitle("\n".join(textwrap.wrap(_title(finding), 100)), fontsize=9)
+    """The readings in words; for a claim about windows, beside their transforms (fig:leakage_lobes)."""
+    of_windows = finding.claim.id[0] == "W"
+    with mpl.rc_context({"font.size": 8}):
+        drawing, axes = figure(1, 1 + of_windows, width=9 if of_windows else 6,
+                               height=max(2.4, 0.4 + 0.4 * len(finding.readings)))
+        if of_windows:
+            _transforms(axes[0, 0])
+        ax = axes[0, -1]
+        ax.set_axis_off()
+        for row, reading in enumerate(finding.readings):
+            ax.text(0.0, 1 - (row + 0.5) / len(finding.readings), _lines(reading), transform=ax.transAxes, va="center",
+                    color={True: COLOURS[2], False: COLOURS[1], None: "0.4"}[reading.holds])
+        drawing.suptitle("\n".join(textwrap.wrap(_title(finding), 100)), fontsize=9)
     return drawing
 
 
-def _line(reading: Reading) -> str:
+def _lines(reading: Reading) -> str:
     figures = ", ".join(f"{name.replace('_', ' ')} {value}" for name, value in reading.figure.items())
-    return f"{_ANSWERS[reading.holds]} — {reading.words} — {figures}"
+    return "\n".join(textwrap.wrap(f"{_ANSWERS[reading.holds]}: {reading.words} ({figures})", 70))
+
+
+def _transforms(ax: Any) -> None:
+    v = np.linspace(0, 24, 4801)
+    for name, colour in zip(("box", "hann", "blackman"), COLOURS, strict=False):
+        taper = window(name)
+        ax.semilogy(v, np.maximum(np.abs(taper.transform(v) / taper.transform(0.0)), 1e-7), color=colour, lw=1,
+                    label=name)
+    for level in (1e-2, 1e-3):
+        ax.axhline(level, color="0.5", lw=0.8, ls="--")
+    ax.set_ylim(1e-6, 1.5)
+    ax.set_xlabel("offset in bins")
+    ax.set_ylabel("|transform|")
+    ax.legend(loc="upper right")
