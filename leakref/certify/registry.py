@@ -1,0 +1,154 @@
+"""The register of checks, and how one is run."""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from fnmatch import fnmatchcase
+from typing import Any
+
+from leakref._base import LeakrefError
+from leakref.certify.subject import Subject
+from leakref.certify.verdict import Finding, Unanswered, Verdict
+
+__all__ = ["CHECKS", "FAMILIES", "Case", "Check", "Outcome", "check", "chosen", "judged", "run_check"]
+
+FAMILIES = {
+    "signs": "Signs and axes: a current comes back in its own direction.",
+    "recovery": "Exact recovery: what is known exactly is returned exactly.",
+    "metamorphic": "Metamorphic relations: a changed input changes the answer in a known way.",
+    "leakage": "Leakage at zero current: what is measured in still water.",
+    "currents": "Strong and opposing currents, up to where omega0 + k.U is negative.",
+    "shear": "Sheared currents: each wavenumber sees the depth-weighted current of eq:SJ.",
+    "scale": "Scale invariance: the same dimensionless sea at two peak wavenumbers.",
+    "synthesis": "Energy and statistics of a synthesised surface.",
+    "conformance": "Conformance to the golden values, stage by stage.",
+    "behaviour": "Behaviour: input untouched, deterministic, refuses what is not finite.",
+}
+"""Families of checks, in the order in which they are run."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """One input of a check. `id` is short and without spaces; `given` are the arguments that make the input."""
+
+    id: str
+    given: Mapping[str, Any] = field(default_factory=dict)
+    quick: bool = True
+    """Whether it is part of the quick profile."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a check function found: the effect over the tolerance (`over` <= 1 passes), in words and in digits."""
+
+    over: float
+    message: str
+    digits: float | None = None
+    figures: Mapping[str, Any] = field(default_factory=dict)
+
+
+CheckFunction = Callable[[Subject, Case], Outcome]
+
+
+@dataclass(frozen=True)
+class Check:
+    """A check: `reason` says which mistake it is there for, `label` the paper's equation, `tolerance` its derivation."""
+
+    id: str
+    family: str
+    reason: str
+    label: str
+    tolerance: str
+    function: CheckFunction
+    cases: tuple[Case, ...]
+    stage: str = "extract"
+
+    def ids(self) -> Iterator[tuple[str, Case]]:
+        """Ids of its findings, `family.name[case]`, and their cases."""
+        for case in self.cases:
+            yield f"{self.id}[{case.id}]", case
+
+    def __call__(self, subject: Subject, case: Case) -> Finding:
+        """Run on one case: always a Finding, whatever the implementation does."""
+        identifier = f"{self.id}[{case.id}]"
+        blank = Finding(identifier, self.family, Verdict.ERROR, "", label=self.label,
+                        repro=f"leakref certify TARGET --only '{identifier}' --keep FOLDER")
+        try:
+            outcome = self.function(subject, case)
+        except Unanswered as nothing:
+            return replace(blank, verdict=nothing.verdict, message=nothing.message)
+        over = outcome.over
+        passed = over <= 1.0  # NaN does not pass
+        return replace(blank, verdict=Verdict.PASS if passed else Verdict.FAIL, message=outcome.message,
+                       digits=outcome.digits, over=float(over), figures=dict(outcome.figures))
+
+
+CHECKS: dict[str, Check] = {}
+"""Every check by id, `family.name`."""
+
+
+def check(family: str, label: str, tolerance: str, cases: Iterable[Case], *,
+          stage: str = "extract") -> Callable[[CheckFunction], Check]:
+    """Register `check_name(subject, case) -> Outcome` as the check `family.name`; its docstring is the reason.
+
+    The function raises Unanswered where there is nothing to judge. `tolerance` says in words where it comes from.
+    """
+
+    def register(function: CheckFunction) -> Check:
+        identifier = f"{family}.{function.__name__.removeprefix('check_').replace('_', '-')}"
+        reason = " ".join((function.__doc__ or "").split())
+        assert family in FAMILIES and reason and identifier not in CHECKS, identifier
+        CHECKS[identifier] = Check(identifier, family, reason, label, tolerance, function, tuple(cases), stage)
+        return CHECKS[identifier]
+
+    return register
+
+
+def _all() -> dict[str, Check]:
+    from leakref.certify import checks
+
+    checks.load()
+    return CHECKS
+
+
+def chosen(patterns: Sequence[str] = (), *, profile: str = "full") -> list[tuple[Check, Case]]:
+    """Checks and cases whose id, check or family matches one of the patterns (default: all) in a profile.
+
+    Raises LeakrefError for a pattern that matches nothing in any profile.
+    """
+    order = {family: n for n, family in enumerate(FAMILIES)}
+    found = [(identifier, c, case) for c in sorted(_all().values(), key=lambda c: order[c.family])
+             for identifier, case in c.ids()]
+
+    def matches(pattern: str, identifier: str, c: Check) -> bool:
+        return pattern in (identifier, c.id, c.family) or any(
+            fnmatchcase(name, pattern.replace("[", "[[]")) for name in (identifier, c.id))
+
+    for pattern in patterns:
+        if not any(matches(pattern, identifier, c) for identifier, c, _ in found):
+            raise LeakrefError("checks", f"no check is called {pattern!r}",
+                               f"families are {', '.join(FAMILIES)}; `leakref certify --list` prints all ids")
+    return [(c, case) for identifier, c, case in found if (profile == "full" or case.quick)
+            and (not patterns or any(matches(pattern, identifier, c) for pattern in patterns))]
+
+
+def run_check(identifier: str, subject: Subject) -> Finding:
+    """One check on one case by the id of its finding."""
+    (c, case), = chosen([identifier])
+    return c(subject, case)
+
+
+def judged(pairs: Sequence[tuple[Check, Case]], subject: Subject,
+           after_each: Callable[[Finding], object] = lambda finding: None) -> list[Finding]:
+    """All findings. A fault of a check itself is not the implementation's: it is raised, with the id."""
+    findings = []
+    for c, case in pairs:
+        try:
+            finding = c(subject, case)
+        except Exception as error:
+            raise RuntimeError(f"check {c.id}[{case.id}] is broken: {traceback.format_exc()}") from error
+        findings.append(finding)
+        after_each(finding)
+    return findings

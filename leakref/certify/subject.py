@@ -1,0 +1,369 @@
+"""The implementation as a check sees it: always in the paper's scaled units, axes x, y, t, y upwards, going-to.
+
+What an implementation declares of itself is kept in a `Declaration`; a `Subject` turns arrays into the declared frame
+and units, has them worked on, in this process or in another, and turns answers back. A check never sees a frame.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from leakref._base import ComplexArray, FloatArray
+from leakref.certify.verdict import Unanswered, Verdict
+from leakref.sea import Components
+from leakref.spectrum import fourier
+from leakref.grid import Grid
+from leakref.window import WINDOWS, window as named_window
+
+__all__ = ["PEAK", "STAGES", "Declaration", "InProcess", "Subject", "Velocities"]
+
+STAGES = ("window", "synthesize", "spectrum", "extract")
+PEAK = 0.25
+"""rad/m: the peak wavenumber at which an implementation in metres and seconds is shown the scaled seas; 25 m waves."""
+GRAVITY = 9.81
+_DEFAULT = {"name": "unnamed", "version": "", "units": "scaled", "axes": "xyt", "y": "up", "direction": "to"}
+
+
+@dataclass(frozen=True)
+class Declaration:
+    """The fields of "ready" in CONTRACT.md, checked and completed."""
+
+    name: str = "unnamed"
+    version: str = ""
+    units: str = "scaled"
+    axes: str = "xyt"
+    y: str = "up"
+    direction: str = "to"
+    format: str = "npz"
+    fixed: tuple[str, ...] = ()
+    can: Mapping[str, Mapping[str, Any]] = field(default_factory=lambda: {"extract": {}})
+
+    @classmethod
+    def read(cls, given: Mapping[str, Any]) -> Declaration:
+        """From an object somebody wrote. Raises Unanswered (error) that names the field that is wrong."""
+        known = {**_DEFAULT, "format": "npz", "fixed": (), "can": {"extract": {}}, **given}
+        choices = {"units": ("si", "scaled"), "y": ("up", "down"), "direction": ("to", "from"),
+                   "axes": ("xyt", "xty", "yxt", "ytx", "txy", "tyx"), "format": ("npz", "mat", "raw")}
+        for name, allowed in choices.items():
+            if known[name] not in allowed:
+                raise Unanswered(Verdict.ERROR, f"declares {name} = {known[name]!r}, should be one of "
+                                                f"{', '.join(allowed)}")
+        can = known["can"]
+        if not isinstance(can, Mapping) or not can or not set(can) <= set(STAGES):
+            raise Unanswered(Verdict.ERROR, f"declares can = {can!r}, should be an object with some of "
+                                            f"{', '.join(STAGES)}")
+        if not all(isinstance(what, Mapping) for what in can.values()):
+            raise Unanswered(Verdict.ERROR, f"declares can = {can!r}, should hold an object for each stage")
+        fixed = known["fixed"]
+        if isinstance(fixed, str) or not all(isinstance(name, str) for name in fixed):
+            raise Unanswered(Verdict.ERROR, f"declares fixed = {fixed!r}, should be a list of parameter names")
+        return cls(**{name: str(known[name]) for name in (*_DEFAULT, "format")}, fixed=tuple(fixed), can=dict(can))
+
+    @property
+    def methods(self) -> tuple[str, ...]:
+        """Extractions offered; the first is its main one."""
+        return tuple(self.can.get("extract", {}).get("methods", ("nsp",)))
+
+    @property
+    def windows(self) -> tuple[str, ...]:
+        """Windows under which it can extract. One that tapers nothing is run raw, and tapered beforehand."""
+        offered = self.can.get("extract", {}).get("windows", ("box", "hann"))
+        return tuple(offered) or ("box", "hann")
+
+    @property
+    def tapers(self) -> bool:
+        """Whether it applies the window itself."""
+        return bool(self.can.get("extract", {}).get("windows", ("box", "hann")))
+
+    @property
+    def band(self) -> bool:
+        """Whether it returns one velocity for the whole band of wavenumbers."""
+        return bool(self.can.get("extract", {}).get("resolves", "wavenumber") == "band")
+
+    def record(self) -> dict[str, Any]:
+        """For the certificate."""
+        return {"name": self.name, "version": self.version, "units": self.units, "axes": self.axes, "y": self.y,
+                "direction": self.direction, "fixed": list(self.fixed), "can": {k: dict(v) for k, v in self.can.items()}}
+
+
+@dataclass(frozen=True, eq=False)
+class Velocities:
+    """An answer: `values` (n, 2) at the `wavenumbers` (n,) that were asked for, NaN where `declined` (n,)."""
+
+    wavenumbers: FloatArray
+    values: FloatArray
+    declined: npt.NDArray[np.bool_]
+
+
+class Subject:
+    """An implementation under judgement. Subclasses say in `_work` where the work is done.
+
+    `_work(stage, arrays, parameters)` is handed arrays in the declared frame and units and the parameters of
+    CONTRACT.md, and returns the answer in the same: {"velocities": ..., "wavenumbers": ...} or {"S": ...} and so on.
+    It raises Unanswered. Arrays for surfaces are float64, C-contiguous, and must come back unaltered.
+    """
+
+    def __init__(self, declaration: Declaration) -> None:
+        self.declaration = declaration
+
+    def _work(self, stage: str, arrays: dict[str, Any], parameters: dict[str, Any]) -> Mapping[str, Any]:
+        raise NotImplementedError
+
+    def offers(self, stage: str, **asked: str) -> bool:
+        """Whether it offers a stage, with this `window`, `method` or window `name`."""
+        can = self.declaration.can.get(stage)
+        if can is None:
+            return False
+        if stage == "extract":
+            return asked.get("window", self.declaration.windows[0]) in self.declaration.windows and \
+                asked.get("method", self.declaration.methods[0]) in self.declaration.methods
+        offered = can.get("windows" if stage == "spectrum" else "names", tuple(WINDOWS))
+        return all(value in offered for value in asked.values())
+
+    def _require(self, stage: str, **asked: str) -> None:
+        if not self.offers(stage, **asked):
+            what = ", ".join(f"{name} {value}" for name, value in asked.items())
+            raise Unanswered(Verdict.UNSUPPORTED, f"does not offer {stage}" + f" with {what}" * bool(what))
+
+    # ------------------------------------------------------------ frames and units
+
+    def units(self, scale: float) -> tuple[float, float, float]:
+        """Unit of length, of time, and gravity, of a scaled sea whose peak is shown at `scale` times the usual one."""
+        if self.declaration.units == "si":
+            k0 = PEAK * scale
+            return 1 / k0, 1 / float(np.sqrt(GRAVITY * k0)), GRAVITY
+        return 1 / scale, 1 / float(np.sqrt(scale)), 1.0
+
+    def framed(self, cube: FloatArray) -> FloatArray:
+        """A cube [x, y, t] with y upwards, as the implementation wants it."""
+        seen = cube[:, ::-1] if self.declaration.y == "down" else cube
+        return np.array(seen.transpose(["xyt".index(axis) for axis in self.declaration.axes]), dtype=np.float64, order="C")
+
+    def unframed(self, cube: npt.ArrayLike) -> npt.NDArray[Any]:
+        """The inverse of `framed`, for what has its axes in the declared order, but for the direction of y."""
+        return np.transpose(np.asarray(cube), [self.declaration.axes.index(axis) for axis in "xyt"])
+
+    def _surface(self, surface: FloatArray, spacing: Sequence[float], scale: float) -> tuple[dict[str, Any], list[float], float]:
+        length, time, gravity = self.units(scale)
+        steps = [spacing[0] * length, spacing[1] * length, spacing[2] * time]
+        axes = {name: np.arange(n) * step for name, n, step in zip("xyt", surface.shape, steps, strict=True)}
+        return {"eta": self.framed(surface * length), **axes}, steps, gravity
+
+    # ------------------------------------------------------------ the four stages
+
+    def extract(self, surface: FloatArray, spacing: Sequence[float], wavenumbers: npt.ArrayLike, *, window: str = "hann",
+                method: str | None = None, scale: float = 1.0, raw: bool = False) -> Velocities:
+        """Velocities (n, 2) at `wavenumbers` (n,), all in scaled units. Raises Unanswered.
+
+        A number that is not finite is a failure; one that is declined is NaN here, and all declined is a failure.
+        With `raw` the surface is handed over as it is, whatever it holds, and what comes back is only converted.
+        """
+        d = self.declaration
+        method = method or d.methods[0]
+        self._require("extract", window=window, method=method)
+        asked = np.atleast_1d(np.asarray(wavenumbers, dtype=np.float64))
+        if not d.tapers and window != "box":
+            surface = _tapered(surface, window)
+        arrays, steps, gravity = self._surface(surface, spacing, scale)
+        length, time, _ = self.units(scale)
+        parameters = {"dx": steps[0], "dy": steps[1], "dt": steps[2], "gravity": gravity,
+                      "wavenumbers": (asked / length).tolist(), "window": window if d.tapers else "box", "method": method}
+        answer = self._work("extract", arrays, parameters)
+        found, at = _rows(answer, asked / length, d)
+        if not raw:
+            _refuse_bad(found)
+        values = found * time / length
+        if d.y == "down":
+            values[:, 1] *= -1
+        if d.direction == "from":
+            values *= -1
+        return _matched(asked, values, None if at is None else at * length, steps, surface.shape, length, d)
+
+    def spectrum(self, surface: FloatArray, spacing: Sequence[float], window: str) -> npt.NDArray[Any]:
+        """S or its magnitude, (nx, ny, nt), of the surface as the array that it is: y is not turned over."""
+        self._require("spectrum", window=window)
+        arrays, steps, _ = self._surface(surface, spacing, 1.0)
+        if self.declaration.y == "down":  # a transform knows nothing of up and down: array in, array out
+            arrays["eta"] = np.ascontiguousarray(arrays["eta"][tuple(
+                slice(None, None, -1) if axis == "y" else slice(None) for axis in self.declaration.axes)])
+        answer = self._work("spectrum", arrays, {"dx": steps[0], "dy": steps[1], "dt": steps[2], "window": window})
+        found = np.asarray(_part(answer, "S"))
+        if found.shape != arrays["eta"].shape:
+            raise Unanswered(Verdict.FAIL, f"S has shape {found.shape}, should be that of eta, {arrays['eta'].shape}")
+        return self.unframed(found)
+
+    def synthesize(self, components: Components, x: FloatArray, y: FloatArray, t: FloatArray) -> FloatArray:
+        """The surface (nx, ny, nt), in units of 1 / k0."""
+        self._require("synthesize")
+        length, time, _ = self.units(1.0)
+        flip = self.declaration.y == "down"
+        up = (y[-1] + y[0]) if flip else 0.0  # rows counted downwards: y' = up - y
+        sign = -1.0 if flip else 1.0
+        phase = components.phase + (components.ky * up if flip else 0.0)
+        arrays = {"kx": components.kx / length, "ky": sign * components.ky / length, "omega": components.omega / time,
+                  "amplitude": components.amplitude * length, "phase": phase, "x": x * length, "y": y * length,
+                  "t": t * time}
+        found = np.asarray(_part(self._work("synthesize", arrays, {}), "eta"))
+        shape = tuple({"x": x.size, "y": y.size, "t": t.size}[axis] for axis in self.declaration.axes)
+        if found.shape != shape or found.dtype.kind not in "fiu":
+            raise Unanswered(Verdict.FAIL, f"eta has shape {found.shape} of {found.dtype}, should be real, {shape}")
+        eta = self.unframed(found)
+        return np.asarray(eta[:, ::-1] if flip else eta, dtype=np.float64) / length
+
+    def window(self, name: str, size: int) -> FloatArray:
+        """Samples of a window, (size,)."""
+        self._require("window", name=name)
+        found = np.asarray(_part(self._work("window", {}, {"name": name, "size": size}), "w"))
+        if found.size != size or found.dtype.kind not in "fiu":
+            raise Unanswered(Verdict.FAIL, f"w has shape {found.shape} of {found.dtype}, should be {size} real numbers")
+        return found.astype(np.float64).ravel()
+
+
+def _tapered(surface: FloatArray, window: str) -> FloatArray:
+    wx, wy, wt = (named_window(window).samples(n) for n in surface.shape)
+    return surface * wx[:, None, None] * wy[:, None] * wt
+
+
+def _part(answer: Mapping[str, Any], name: str) -> Any:
+    if name not in answer:
+        raise Unanswered(Verdict.FAIL, f"the answer holds {sorted(map(str, answer))}, should hold {name}")
+    return answer[name]
+
+
+def _rows(answer: Mapping[str, Any], asked: FloatArray, d: Declaration) -> tuple[FloatArray, FloatArray | None]:
+    """Velocities (m, 2) with NaN for null, and the wavenumbers they are at, None for those asked. Units as answered."""
+    given = _part(answer, "velocities")
+    if np.ma.isMaskedArray(given):
+        given = [None if np.ma.getmaskarray(row).any() else row.tolist() for row in given]
+    elif isinstance(given, np.ndarray):
+        given = list(given) if given.ndim == 2 else given
+    at = answer.get("wavenumbers")
+    if at is None and "wavenumbers" in d.fixed and not d.band:
+        raise Unanswered(Verdict.FAIL, "its wavenumbers are fixed, and the answer does not say which they are")
+    expected = 1 if d.band else len(at) if at is not None else asked.size
+    if not isinstance(given, Sequence) or len(given) != expected:
+        shape = getattr(given, "shape", None) or (len(given) if isinstance(given, Sequence) else type(given).__name__)
+        raise Unanswered(Verdict.FAIL, f"velocities: got {shape}, should be {expected} rows of (cx, cy)")
+    found = np.empty((expected, 2))
+    for n, row in enumerate(given):
+        try:
+            found[n] = (np.nan, np.nan) if row is None else np.asarray(row, dtype=np.float64).reshape(2)
+        except (TypeError, ValueError):
+            raise Unanswered(Verdict.FAIL, f"velocities[{n}] is {row!r}, should be two numbers or null") from None
+        if row is not None and not np.isfinite(found[n]).all():
+            found[n] = np.inf  # told apart from a declined one, and refused below
+    return found, None if at is None else np.asarray(at, dtype=np.float64)
+
+
+def _refuse_bad(found: FloatArray) -> None:
+    if (bad := np.isinf(found).any(axis=1)).any():
+        raise Unanswered(Verdict.FAIL, f"{int(bad.sum())} of {len(found)} velocities are NaN or infinite; where there "
+                                       "is no number the answer is null (in Python None, or a masked row)")
+    if np.isnan(found).all():
+        raise Unanswered(Verdict.FAIL, f"declined all {len(found)} velocities")
+
+
+def _matched(asked: FloatArray, values: FloatArray, at: FloatArray | None, steps: Sequence[float],
+             shape: tuple[int, ...], length: float, d: Declaration) -> Velocities:
+    """For each wavenumber asked for the answer within half a bin of it; for a band the one answer there is."""
+    if d.band:
+        values = np.repeat(values, asked.size, axis=0)
+    elif at is not None:
+        dk = length * max(2 * np.pi / (n * step) for n, step in zip(shape[:2], steps, strict=False))
+        nearest = np.abs(asked[:, None] - at).argmin(axis=1)
+        values = np.where((np.abs(at[nearest] - asked) <= dk / 2)[:, None], values[nearest], np.nan)
+    return Velocities(asked, values, np.isnan(values).any(axis=1))
+
+
+# ---------------------------------------------------------------- in this process
+
+
+class InProcess(Subject):
+    """A Python object or function called directly: for pytest and for the study of the suite, without limits."""
+
+    def __init__(self, implementation: Any, name: str = "") -> None:
+        self.calls = offered(implementation)
+        given = dict(implementation.describe()) if hasattr(implementation, "describe") else {}
+        super().__init__(described(given, self.calls, name or _name(implementation)))
+
+    def _work(self, stage: str, arrays: dict[str, Any], parameters: dict[str, Any]) -> Mapping[str, Any]:
+        try:
+            return call(self.calls[stage], stage, arrays, parameters)
+        except NotImplementedError as error:
+            raise Unanswered(Verdict.UNSUPPORTED, str(error) or f"{stage} is not implemented") from error
+        except Unanswered:
+            raise
+        except Exception as error:
+            raise Unanswered(Verdict.ERROR, f"{type(error).__name__}: {error}") from error
+
+
+def _name(implementation: Any) -> str:
+    own = getattr(implementation, "__qualname__", None) or type(implementation).__qualname__
+    return f"{getattr(implementation, '__module__', '')}:{own}"
+
+
+def offered(implementation: Any) -> dict[str, Callable[..., Any]]:
+    """The stages an object offers; a bare function is `extract`. Raises Unanswered if there are none."""
+    found = {stage: getattr(implementation, stage) for stage in STAGES if callable(getattr(implementation, stage, None))}
+    if not found and callable(implementation) and not isinstance(implementation, type):
+        found = {"extract": implementation}
+    if not found:
+        raise Unanswered(Verdict.ERROR, f"{_name(implementation)} offers none of {', '.join(STAGES)}, nor is it a function")
+    return found
+
+
+def described(given: dict[str, Any], calls: Mapping[str, Callable[..., Any]], name: str) -> Declaration:
+    """What an object says of itself, completed by what its signatures show: keywords that are lacking are fixed."""
+    can = {stage: dict(given.get("can", {}).get(stage, {})) for stage in calls if stage in given.get("can", calls)}
+    fixed = list(given.get("fixed", ()))
+    if "extract" in can:
+        lacking = [key for key in ("gravity", "window", "method", "wavenumbers") if not accepts(calls["extract"], key)]
+        fixed += [key for key in lacking if key not in fixed]
+        if "window" in lacking:
+            can["extract"].setdefault("windows", [])
+        if "method" in lacking:
+            can["extract"].setdefault("methods", ["nsp"])
+    return Declaration.read({"name": name, **given, "fixed": fixed, "can": can})
+
+
+def accepts(function: Callable[..., Any], keyword: str) -> bool:
+    """Whether `function` takes the keyword; one whose signature cannot be seen takes all."""
+    try:
+        parameters = inspect.signature(function).parameters
+    except (TypeError, ValueError):
+        return True
+    return keyword in parameters or any(p.kind is p.VAR_KEYWORD for p in parameters.values())
+
+
+def call(function: Callable[..., Any], stage: str, arrays: Mapping[str, Any], parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """Call a Python stage with what the protocol hands over, passing only the keywords it takes."""
+
+    def taken(**keywords: Any) -> dict[str, Any]:
+        return {name: value for name, value in keywords.items() if accepts(function, name)}
+
+    p = parameters
+    if stage == "window":
+        return {"w": function(p["name"], p["size"])}
+    if stage == "synthesize":
+        waves = Components(*(np.asarray(arrays[name]).ravel() for name in ("kx", "ky", "omega", "amplitude", "phase")))
+        return {"eta": function(waves, *(np.asarray(arrays[name]).ravel() for name in "xyt"))}
+    spacing = (p["dx"], p["dy"], p["dt"])
+    if stage == "spectrum":
+        return {"S": function(arrays["eta"], spacing, **taken(window=p["window"]))}
+    keywords = taken(gravity=p["gravity"], window=p["window"], method=p["method"])
+    if accepts(function, "wavenumbers"):
+        answer = function(arrays["eta"], spacing, np.asarray(p["wavenumbers"]), **keywords)
+    else:
+        answer = function(arrays["eta"], spacing, **keywords)
+    if isinstance(answer, Mapping):
+        return dict(answer)
+    if isinstance(answer, tuple) and len(answer) == 2 and np.ndim(answer[0]) == 2:
+        return {"velocities": answer[0], "wavenumbers": answer[1]}
+    return {"velocities": answer}

@@ -1,0 +1,55 @@
+"""What is said of an implementation: verdicts, findings, and the reasons why there may be no answer."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import Any
+
+__all__ = ["Finding", "Unanswered", "Verdict"]
+
+
+class Verdict(StrEnum):
+    """Of one check on one case."""
+
+    PASS = "pass"
+    FAIL = "fail"
+    MISSING = "missing"
+    "it was asked and declined every number that the check is about"
+    UNSUPPORTED = "unsupported"
+    "it does not offer what the check is about"
+    ERROR = "error"
+    "it raised, crashed, or broke the protocol"
+    TIMEOUT = "timeout"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One check on one case. `digits` of agreement where a number was compared; `repro` shows how to see it again.
+
+    `figures` are the numbers behind the message, by name, for reports and for the study of the suite's strength;
+    `over` is the effect over the tolerance: above 1 it fails.
+    """
+
+    id: str
+    family: str
+    verdict: Verdict
+    message: str
+    digits: float | None = None
+    over: float | None = None
+    repro: str = ""
+    label: str = ""
+    figures: dict[str, Any] = field(default_factory=dict)
+
+    def record(self) -> dict[str, Any]:
+        """As in the JSON of `leakref certify` (CONTRACT.md)."""
+        return {"id": self.id, "family": self.family, "verdict": str(self.verdict), "message": self.message,
+                "digits": self.digits, "over": self.over, "repro": self.repro, "label": self.label}
+
+
+class Unanswered(Exception):
+    """An implementation gave no answer that could be judged: the verdict for the check that asked."""
+
+    def __init__(self, verdict: Verdict, message: str) -> None:
+        super().__init__(message)
+        self.verdict, self.message = verdict, message
