@@ -8,7 +8,6 @@ from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
 from statistics import median
-from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -19,12 +18,14 @@ from scipy import fft
 from leakref import chain, fast, leakage, runs
 from leakref._output import dump, envelope, folder, progress_bar, write_whole
 from leakref.cases import Configuration, configurations
+from leakref.limits import (MATRIX, MATRIX_ONE, MEMORY, Machine, closed_form_products, fast_products, fft_traffic,
+                            magnitudes_traffic, seconds, synthesis_products)
 from leakref.sea import Components
 from leakref.shell import HALF_WIDTH, Extraction
 from leakref.spectrum import fourier
 from leakref.synthesis import synthesize
 
-__all__ = ["Row", "literal", "measure", "run", "seconds"]
+__all__ = ["Row", "literal", "measure", "run"]
 
 _WINDOWS = ("box", "hann")
 
@@ -33,15 +34,16 @@ _WINDOWS = ("box", "hann")
 class Row:
     """`seconds` of what `name` says; `against` says what took `ratio` times as long, in the same run.
 
-    `share` is the part of the machine's limit that was reached, `limit` which one: matrix product or memory.
+    `share` is the part of the machine's limit that was reached, `limit` which one. Of memory, what must be read
+    at least counts: a stage with a small share computes on what it has read.
     """
 
     name: str
     seconds: float
-    against: str = ""
-    ratio: float | None = None
-    share: float | None = None
-    limit: str = ""
+    against: str
+    ratio: float | None
+    share: float
+    limit: str
 
 
 def literal(configuration: Configuration, realization: int) -> dict[tuple[str, str], Extraction]:
@@ -52,79 +54,74 @@ def literal(configuration: Configuration, realization: int) -> dict[tuple[str, s
             for s in spectra for method in chain.METHODS}
 
 
-def seconds(work: Callable[[], object], repeats: int = 3) -> float:
-    """Median time of `work`, after one run that is not counted."""
-    times = []
-    for _ in range(repeats + 1):
-        start = perf_counter()
-        work()
-        times.append(perf_counter() - start)
-    return median(times[1:])
-
-
-def _limits() -> tuple[float, float]:
-    """What this machine can do now: real multiply-adds and bytes moved, per second."""
-    n = 1500
-    a, b = np.random.default_rng(0).standard_normal((2, n, n))
-    target, source = np.empty(2**24), np.ones(2**24)
-    return n**3 / seconds(lambda: a @ b, 5), 2 * source.nbytes / seconds(lambda: np.copyto(target, source), 5)
-
-
-def _synthesis_products(waves: Components, shape: tuple[int, int, int]) -> float:
-    """Real multiply-adds in the matrix products of synthesize."""
-    lattice = waves.separated()
-    rows, columns = (lattice[0].size, lattice[2].size) if lattice is not None else (waves.kx.size, 1)
-    nx, ny, nt = shape
-    return float(4 * rows * ny * columns * nt + 2 * nx * rows * ny * nt)
-
-
-def _stages(configuration: Configuration, rates: tuple[float, float]) -> list[Row]:
+def _stages(configuration: Configuration, machine: Machine) -> list[Row]:
     grid, waves, k = configuration.grid, configuration.components(0), configuration.wavenumbers
     axes = [grid.samples(axis) for axis in range(3)]
     surface = synthesize(waves, *axes)
-    reach = float(k[-1] + (HALF_WIDTH + 1) * grid.wavenumber_resolution)
+    reach = _reach(configuration)
     spectrum = leakage.spectrum(waves, grid, "hann", largest_wavenumber=reach)
     one_thread = seconds(lambda: fourier(surface, grid, "hann", workers=1), 1)
     t = {"synthesis": seconds(lambda: synthesize(waves, *axes, out=surface)),
          "fft": seconds(lambda: fourier(surface, grid, "hann")),
          "closed": seconds(lambda: [leakage.spectrum(waves, grid, w, largest_wavenumber=reach) for w in _WINDOWS]),
-         "spectra": _fast(configuration, methods=()), "ls": _fast(configuration, methods=("ls",)),
-         "searched": _fast(configuration, methods=("nsp",)),
-         "nsp": _fast(configuration, methods=("nsp",), search=False)}
+         "spectra": _fast(configuration, methods=())}
+    parts: dict[str, dict[str, Any]] = {"none": {"methods": ()}, "ls": {"methods": ("ls",)},
+                                        "searched": {"methods": ("nsp",)},
+                                        "nsp": {"methods": ("nsp",), "search": False}}
+    least = {name: _fast(configuration, 15, min, **settings) for name, settings in parts.items()}  # for differences
     literal_nsp = seconds(lambda: chain.analyse(spectrum, k, search=False), 1)
     literal_ls = seconds(lambda: chain.analyse(spectrum, k, method="ls"))
-    moved = surface.nbytes * 8.0  # taper: read and write; then three passes of half-length complex, read and write
-    return [
-        Row("synthesis of the surface", t["synthesis"], share=_synthesis_products(waves, grid.shape) / t["synthesis"]
-            / rates[0], limit="matrix product"),
-        Row("taper and FFT of the surface, all threads", t["fft"], "one thread", one_thread / t["fft"],
-            moved / t["fft"] / rates[1], "memory"),
-        Row("spectra of both windows, closed form", t["closed"], "surface and two FFTs",
-            (t["synthesis"] + 2 * t["fft"]) / t["closed"]),
-        Row("spectra of both windows, fast", t["spectra"], "closed form", t["closed"] / t["spectra"]),
-        Row("NSP of one window, fast", (t["nsp"] - t["spectra"]) / 2, "literal",
-            2 * literal_nsp / (t["nsp"] - t["spectra"])),
-        Row("search for other basins, one window, fast", (t["searched"] - t["nsp"]) / 2),
-        Row("LS of one window, literal", literal_ls, "NSP of the same shells, literal", literal_nsp / literal_ls),
-        Row("LS of one window, fast", (t["ls"] - t["spectra"]) / 2, "NSP of the same shells, fast",
-            (t["nsp"] - t["spectra"]) / (t["ls"] - t["spectra"]))]
+    read = magnitudes_traffic(grid, k)
+
+    def row(name: str, time: float, limit: str, asked: float, against: str = "", ratio: float | None = None) -> Row:
+        return Row(name, time, against, ratio, machine.share(limit, asked, time), limit)
+
+    nsp, searched, ls = ((least[name] - least[less]) / len(_WINDOWS)
+                         for name, less in (("nsp", "none"), ("searched", "nsp"), ("ls", "none")))
+    return [row("synthesis of the surface", t["synthesis"], MATRIX, synthesis_products(waves, grid.shape)),
+            row("taper and FFT of the surface, all threads", t["fft"], MEMORY, fft_traffic(grid.shape), "one thread",
+                one_thread / t["fft"]),
+            row("spectra of both windows, closed form", t["closed"], MATRIX,
+                closed_form_products(waves, grid, reach, len(_WINDOWS)), "surface and two FFTs",
+                (t["synthesis"] + 2 * t["fft"]) / t["closed"]),
+            row("spectra of both windows, fast", t["spectra"], MATRIX_ONE, fast_products(waves, grid, reach),
+                "closed form", t["closed"] / t["spectra"]),
+            row("NSP of one window, literal", literal_nsp, MEMORY, read),
+            row("NSP of one window, fast", nsp, MEMORY, read, "literal", literal_nsp / nsp),
+            row("search for other basins, one window, fast", searched, MEMORY, read),
+            row("LS of one window, literal", literal_ls, MEMORY, read, "NSP of the same shells, literal",
+                literal_nsp / literal_ls),
+            row("LS of one window, fast", ls, MEMORY, read, "NSP of the same shells, fast", nsp / ls)]
 
 
-def _fast(configuration: Configuration, repeats: int = 5, **settings: Any) -> float:
+def _reach(configuration: Configuration) -> float:
+    return float(configuration.wavenumbers[-1] + (HALF_WIDTH + 1) * configuration.grid.wavenumber_resolution)
+
+
+def _share(machine: Machine, configuration: Configuration, time: float, count: int = 1,
+           limit: str = MATRIX_ONE) -> dict[str, Any]:
+    """Of `count` fast realisations in `time`: the products of their spectra, which bound them, over the limit."""
+    asked = count * fast_products(configuration.components(0), configuration.grid, _reach(configuration))
+    return {"share": machine.share(limit, asked, time), "limit": limit}
+
+
+def _fast(configuration: Configuration, repeats: int = 5, pick: Callable[[list[float]], float] = median,
+          **settings: Any) -> float:
     waves = configuration.components(0)
     grid, k = configuration.grid, configuration.wavenumbers
     with runs.one_thread():
-        return seconds(partial(fast.realize, waves, grid, k, windows=_WINDOWS, **settings), repeats)
+        return seconds(partial(fast.realize, waves, grid, k, windows=_WINDOWS, **settings), repeats, pick)
 
 
-def _realization(configuration: Configuration) -> Row:
+def _realization(configuration: Configuration, machine: Machine) -> Row:
     """The row others read: literal over fast, both without the search for other basins; the fast one on one thread."""
     quick = _fast(configuration, 31, search=False)
     slow = seconds(lambda: literal(configuration, 0), 1)
-    return Row("realization", quick, "literal chain, all threads", slow / quick)
+    return Row("realization", quick, "literal chain, all threads", slow / quick,
+               **_share(machine, configuration, quick))
 
 
-def _growth(base: Configuration) -> list[Row]:
+def _growth(base: Configuration, machine: Machine) -> list[Row]:
     """Cost against L, T, realisations and workers, each with the exponent of a power law through the ends."""
     rows = []
     for name, values in (("length", (5.0, 10.0, 20.0)), ("duration", (10.0, 20.0, 80.0))):
@@ -132,17 +129,19 @@ def _growth(base: Configuration) -> list[Row]:
         times = [_fast(replace(base, **one), 1 if max(one.values()) >= 20 else 3) for one in grown]
         power = np.polyfit(np.log(values), np.log(times), 1)[0]
         rows += [Row(f"realization at {name} {value:g}", time, f"{name} {values[0]:g}; cost grows as power {power:.1f}",
-                     times[0] / time) for value, time in zip(values, times, strict=True)]
+                     times[0] / time, **_share(machine, replace(base, **one), time))
+                 for one, value, time in zip(grown, values, times, strict=True)]
     small = replace(base, length=5.0, duration=10.0)
     times = [seconds(partial(_run, small, count), 1) for count in (20, 80)]
     power = np.log(times[1] / times[0]) / np.log(4)
     rows.append(Row("80 small realizations", times[1], f"20 of them; cost grows as power {power:.2f}",
-                    times[0] / times[1]))
+                    times[0] / times[1], **_share(machine, small, times[1], 80)))
     with runs.pool(2) as executor:
         list(runs.run([base], realizations=4, executor=executor))  # workers started and compiled
         two = seconds(lambda: list(runs.run([base], realizations=40, executor=executor)), 1)
-    rows.append(Row("40 realizations, two workers", two, "one worker",
-                    seconds(lambda: list(runs.run([base], realizations=40)), 1) / two))
+    one = seconds(lambda: list(runs.run([base], realizations=40)), 1)
+    rows.append(Row("40 realizations, two workers", two, "one worker", one / two,
+                    **_share(machine, base, two, 40, MATRIX)))
     return rows
 
 
@@ -159,28 +158,32 @@ def _direct(waves: Components, x: np.ndarray, y: np.ndarray, t: np.ndarray) -> n
     return eta
 
 
-def _alternatives(configuration: Configuration) -> list[Row]:
+def _alternatives(configuration: Configuration, machine: Machine) -> list[Row]:
     """Against what a user would pick instead: direct sums, and non-uniform FFTs where they are installed."""
     small = replace(configuration, length=2.0, duration=4.0)
     waves, axes = small.components(0), [small.grid.samples(axis) for axis in range(3)]
     ours = seconds(lambda: synthesize(waves, *axes))
-    rows = [Row("synthesis of a small surface", ours, "wave by wave", seconds(lambda: _direct(waves, *axes), 1) / ours)]
+    share = machine.share(MATRIX, synthesis_products(waves, small.grid.shape), ours)
+    rows = [Row("synthesis of a small surface", ours, "wave by wave", seconds(lambda: _direct(waves, *axes), 1) / ours,
+                share, MATRIX)]
     waves, grid = configuration.components(0), configuration.grid
     axes = [grid.samples(axis) for axis in range(3)]
     ours = seconds(lambda: synthesize(waves, *axes), 1)
+    share = machine.share(MATRIX, synthesis_products(waves, grid.shape), ours)
     for package, work in (("finufft", _finufft), ("ducc0", _ducc)):
         try:
             library = importlib.import_module(package)
         except ModuleNotFoundError:
             continue
         rows.append(Row("synthesis of the surface", ours, f"{package}, one 2D transform a frame, to 1e-12",
-                        seconds(partial(work, library, waves, grid, axes[2]), 1) / ours))
+                        seconds(partial(work, library, waves, grid, axes[2]), 1) / ours, share, MATRIX))
     cube = np.random.default_rng(0).standard_normal(grid.shape)
     ours = seconds(lambda: fourier(cube, grid, "box"))
-    rows.append(Row("FFT of the surface", ours, "numpy.fft.rfftn", seconds(lambda: np.fft.rfftn(cube), 1) / ours))
-    rows.append(Row("FFT of the surface", ours, "scipy.fft.fftn, complex, all threads",
-                    seconds(lambda: fft.fftn(cube, workers=-1), 1) / ours))
-    return rows
+    share = machine.share(MEMORY, fft_traffic(grid.shape), ours)
+    others = {"numpy.fft.rfftn": lambda: np.fft.rfftn(cube),
+              "scipy.fft.fftn, complex, all threads": lambda: fft.fftn(cube, workers=-1)}
+    return rows + [Row("FFT of the surface", ours, name, seconds(work, 1) / ours, share, MEMORY)
+                   for name, work in others.items()]
 
 
 def _finufft(library: Any, waves: Components, grid: Any, times: np.ndarray) -> None:
@@ -201,10 +204,10 @@ def _ducc(library: Any, waves: Components, grid: Any, times: np.ndarray) -> None
 def measure(after_each: Callable[[], object] = lambda: None) -> list[Row]:
     """Every row; calls `after_each` five times on the way."""
     configuration = configurations(["nsp-ls"])[0]
-    rates = _limits()
+    machine = Machine.measured()
     rows = []
-    for part in (lambda: [_realization(configuration)], lambda: _stages(configuration, rates),
-                 lambda: _growth(configuration), lambda: _alternatives(configuration)):
+    for part in (lambda: [_realization(configuration, machine)], lambda: _stages(configuration, machine),
+                 lambda: _growth(configuration, machine), lambda: _alternatives(configuration, machine)):
         rows += part()
         after_each()
     return rows
@@ -227,7 +230,7 @@ def run(out: Path, *, json: bool = False) -> bool:
         table.add_column(name, justify=justify)  # type: ignore[arg-type]
     for row in rows:
         table.add_row(row.name, f"{row.seconds:.4g}", "" if row.ratio is None else f"{row.ratio:.3g}", row.against,
-                      "" if row.share is None else f"{row.share:.0%} of {row.limit}")
+                      f"{100 * row.share:.2g} % of {row.limit}")
     Console().print(table)
     Console().print(f"Picture: {pictures[0]}", soft_wrap=True)
     return True

@@ -54,7 +54,7 @@ CheckFunction = Callable[[Subject, Case], Outcome]
 
 @dataclass(frozen=True)
 class Check:
-    """A check: `reason` says which mistake it is there for, `label` the paper's equation, `tolerance` its derivation."""
+    """A check: `reason` is the mistake it is there for, `label` the paper's equation, `tolerance` its derivation."""
 
     id: str
     family: str
@@ -99,7 +99,8 @@ def check(family: str, label: str, tolerance: str, cases: Iterable[Case], *,
     def register(function: CheckFunction) -> Check:
         identifier = f"{family}.{function.__name__.removeprefix('check_').replace('_', '-')}"
         reason = " ".join((function.__doc__ or "").split())
-        assert family in FAMILIES and reason and identifier not in CHECKS, identifier
+        if family not in FAMILIES or not reason or identifier in CHECKS:
+            raise ValueError(f"{identifier} has no family, no reason, or a twin")
         CHECKS[identifier] = Check(identifier, family, reason, label, tolerance, function, tuple(cases), stage)
         return CHECKS[identifier]
 

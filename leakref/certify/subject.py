@@ -6,91 +6,24 @@ and units, has them worked on, in this process or in another, and turns answers 
 
 from __future__ import annotations
 
-import inspect
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
-from functools import cached_property
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from leakref._base import ComplexArray, FloatArray
+from leakref._base import FloatArray
+from leakref.certify.declaration import Declaration
 from leakref.certify.verdict import Unanswered, Verdict
 from leakref.sea import Components
-from leakref.spectrum import fourier
-from leakref.grid import Grid
 from leakref.window import WINDOWS, window as named_window
 
-__all__ = ["PEAK", "STAGES", "Declaration", "InProcess", "Subject", "Velocities"]
+__all__ = ["GRAVITY", "PEAK", "Subject", "Velocities"]
 
-STAGES = ("window", "synthesize", "spectrum", "extract")
 PEAK = 0.25
 """rad/m: the peak wavenumber at which an implementation in metres and seconds is shown the scaled seas; 25 m waves."""
 GRAVITY = 9.81
-_DEFAULT = {"name": "unnamed", "version": "", "units": "scaled", "axes": "xyt", "y": "up", "direction": "to"}
-
-
-@dataclass(frozen=True)
-class Declaration:
-    """The fields of "ready" in CONTRACT.md, checked and completed."""
-
-    name: str = "unnamed"
-    version: str = ""
-    units: str = "scaled"
-    axes: str = "xyt"
-    y: str = "up"
-    direction: str = "to"
-    format: str = "npz"
-    fixed: tuple[str, ...] = ()
-    can: Mapping[str, Mapping[str, Any]] = field(default_factory=lambda: {"extract": {}})
-
-    @classmethod
-    def read(cls, given: Mapping[str, Any]) -> Declaration:
-        """From an object somebody wrote. Raises Unanswered (error) that names the field that is wrong."""
-        known = {**_DEFAULT, "format": "npz", "fixed": (), "can": {"extract": {}}, **given}
-        choices = {"units": ("si", "scaled"), "y": ("up", "down"), "direction": ("to", "from"),
-                   "axes": ("xyt", "xty", "yxt", "ytx", "txy", "tyx"), "format": ("npz", "mat", "raw")}
-        for name, allowed in choices.items():
-            if known[name] not in allowed:
-                raise Unanswered(Verdict.ERROR, f"declares {name} = {known[name]!r}, should be one of "
-                                                f"{', '.join(allowed)}")
-        can = known["can"]
-        if not isinstance(can, Mapping) or not can or not set(can) <= set(STAGES):
-            raise Unanswered(Verdict.ERROR, f"declares can = {can!r}, should be an object with some of "
-                                            f"{', '.join(STAGES)}")
-        if not all(isinstance(what, Mapping) for what in can.values()):
-            raise Unanswered(Verdict.ERROR, f"declares can = {can!r}, should hold an object for each stage")
-        fixed = known["fixed"]
-        if isinstance(fixed, str) or not all(isinstance(name, str) for name in fixed):
-            raise Unanswered(Verdict.ERROR, f"declares fixed = {fixed!r}, should be a list of parameter names")
-        return cls(**{name: str(known[name]) for name in (*_DEFAULT, "format")}, fixed=tuple(fixed), can=dict(can))
-
-    @property
-    def methods(self) -> tuple[str, ...]:
-        """Extractions offered; the first is its main one."""
-        return tuple(self.can.get("extract", {}).get("methods", ("nsp",)))
-
-    @property
-    def windows(self) -> tuple[str, ...]:
-        """Windows under which it can extract. One that tapers nothing is run raw, and tapered beforehand."""
-        offered = self.can.get("extract", {}).get("windows", ("box", "hann"))
-        return tuple(offered) or ("box", "hann")
-
-    @property
-    def tapers(self) -> bool:
-        """Whether it applies the window itself."""
-        return bool(self.can.get("extract", {}).get("windows", ("box", "hann")))
-
-    @property
-    def band(self) -> bool:
-        """Whether it returns one velocity for the whole band of wavenumbers."""
-        return bool(self.can.get("extract", {}).get("resolves", "wavenumber") == "band")
-
-    def record(self) -> dict[str, Any]:
-        """For the certificate."""
-        return {"name": self.name, "version": self.version, "units": self.units, "axes": self.axes, "y": self.y,
-                "direction": self.direction, "fixed": list(self.fixed), "can": {k: dict(v) for k, v in self.can.items()}}
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +32,7 @@ class Velocities:
 
     wavenumbers: FloatArray
     values: FloatArray
-    declined: npt.NDArray[np.bool_]
+    declined: npt.NDArray[Any]
 
 
 class Subject:
@@ -112,6 +45,8 @@ class Subject:
 
     def __init__(self, declaration: Declaration) -> None:
         self.declaration = declaration
+        self.violations: list[str] = []
+        """What it did that it must not, such as altering its input; a check of behaviour reads it."""
 
     def _work(self, stage: str, arrays: dict[str, Any], parameters: dict[str, Any]) -> Mapping[str, Any]:
         raise NotImplementedError
@@ -144,13 +79,15 @@ class Subject:
     def framed(self, cube: FloatArray) -> FloatArray:
         """A cube [x, y, t] with y upwards, as the implementation wants it."""
         seen = cube[:, ::-1] if self.declaration.y == "down" else cube
-        return np.array(seen.transpose(["xyt".index(axis) for axis in self.declaration.axes]), dtype=np.float64, order="C")
+        order = ["xyt".index(axis) for axis in self.declaration.axes]
+        return np.array(seen.transpose(order), dtype=np.float64, order="C")
 
     def unframed(self, cube: npt.ArrayLike) -> npt.NDArray[Any]:
         """The inverse of `framed`, for what has its axes in the declared order, but for the direction of y."""
         return np.transpose(np.asarray(cube), [self.declaration.axes.index(axis) for axis in "xyt"])
 
-    def _surface(self, surface: FloatArray, spacing: Sequence[float], scale: float) -> tuple[dict[str, Any], list[float], float]:
+    def _surface(self, surface: FloatArray, spacing: Sequence[float],
+                 scale: float) -> tuple[dict[str, Any], list[float], float]:
         length, time, gravity = self.units(scale)
         steps = [spacing[0] * length, spacing[1] * length, spacing[2] * time]
         axes = {name: np.arange(n) * step for name, n, step in zip("xyt", surface.shape, steps, strict=True)}
@@ -158,8 +95,8 @@ class Subject:
 
     # ------------------------------------------------------------ the four stages
 
-    def extract(self, surface: FloatArray, spacing: Sequence[float], wavenumbers: npt.ArrayLike, *, window: str = "hann",
-                method: str | None = None, scale: float = 1.0, raw: bool = False) -> Velocities:
+    def extract(self, surface: FloatArray, spacing: Sequence[float], wavenumbers: npt.ArrayLike, *,
+                window: str = "hann", method: str | None = None, scale: float = 1.0, raw: bool = False) -> Velocities:
         """Velocities (n, 2) at `wavenumbers` (n,), all in scaled units. Raises Unanswered.
 
         A number that is not finite is a failure; one that is declined is NaN here, and all declined is a failure.
@@ -174,7 +111,8 @@ class Subject:
         arrays, steps, gravity = self._surface(surface, spacing, scale)
         length, time, _ = self.units(scale)
         parameters = {"dx": steps[0], "dy": steps[1], "dt": steps[2], "gravity": gravity,
-                      "wavenumbers": (asked / length).tolist(), "window": window if d.tapers else "box", "method": method}
+                      "wavenumbers": (asked / length).tolist(), "window": window if d.tapers else "box",
+                      "method": method}
         answer = self._work("extract", arrays, parameters)
         found, at = _rows(answer, asked / length, d)
         if not raw:
@@ -279,91 +217,4 @@ def _matched(asked: FloatArray, values: FloatArray, at: FloatArray | None, steps
         dk = length * max(2 * np.pi / (n * step) for n, step in zip(shape[:2], steps, strict=False))
         nearest = np.abs(asked[:, None] - at).argmin(axis=1)
         values = np.where((np.abs(at[nearest] - asked) <= dk / 2)[:, None], values[nearest], np.nan)
-    return Velocities(asked, values, np.isnan(values).any(axis=1))
-
-
-# ---------------------------------------------------------------- in this process
-
-
-class InProcess(Subject):
-    """A Python object or function called directly: for pytest and for the study of the suite, without limits."""
-
-    def __init__(self, implementation: Any, name: str = "") -> None:
-        self.calls = offered(implementation)
-        given = dict(implementation.describe()) if hasattr(implementation, "describe") else {}
-        super().__init__(described(given, self.calls, name or _name(implementation)))
-
-    def _work(self, stage: str, arrays: dict[str, Any], parameters: dict[str, Any]) -> Mapping[str, Any]:
-        try:
-            return call(self.calls[stage], stage, arrays, parameters)
-        except NotImplementedError as error:
-            raise Unanswered(Verdict.UNSUPPORTED, str(error) or f"{stage} is not implemented") from error
-        except Unanswered:
-            raise
-        except Exception as error:
-            raise Unanswered(Verdict.ERROR, f"{type(error).__name__}: {error}") from error
-
-
-def _name(implementation: Any) -> str:
-    own = getattr(implementation, "__qualname__", None) or type(implementation).__qualname__
-    return f"{getattr(implementation, '__module__', '')}:{own}"
-
-
-def offered(implementation: Any) -> dict[str, Callable[..., Any]]:
-    """The stages an object offers; a bare function is `extract`. Raises Unanswered if there are none."""
-    found = {stage: getattr(implementation, stage) for stage in STAGES if callable(getattr(implementation, stage, None))}
-    if not found and callable(implementation) and not isinstance(implementation, type):
-        found = {"extract": implementation}
-    if not found:
-        raise Unanswered(Verdict.ERROR, f"{_name(implementation)} offers none of {', '.join(STAGES)}, nor is it a function")
-    return found
-
-
-def described(given: dict[str, Any], calls: Mapping[str, Callable[..., Any]], name: str) -> Declaration:
-    """What an object says of itself, completed by what its signatures show: keywords that are lacking are fixed."""
-    can = {stage: dict(given.get("can", {}).get(stage, {})) for stage in calls if stage in given.get("can", calls)}
-    fixed = list(given.get("fixed", ()))
-    if "extract" in can:
-        lacking = [key for key in ("gravity", "window", "method", "wavenumbers") if not accepts(calls["extract"], key)]
-        fixed += [key for key in lacking if key not in fixed]
-        if "window" in lacking:
-            can["extract"].setdefault("windows", [])
-        if "method" in lacking:
-            can["extract"].setdefault("methods", ["nsp"])
-    return Declaration.read({"name": name, **given, "fixed": fixed, "can": can})
-
-
-def accepts(function: Callable[..., Any], keyword: str) -> bool:
-    """Whether `function` takes the keyword; one whose signature cannot be seen takes all."""
-    try:
-        parameters = inspect.signature(function).parameters
-    except (TypeError, ValueError):
-        return True
-    return keyword in parameters or any(p.kind is p.VAR_KEYWORD for p in parameters.values())
-
-
-def call(function: Callable[..., Any], stage: str, arrays: Mapping[str, Any], parameters: Mapping[str, Any]) -> dict[str, Any]:
-    """Call a Python stage with what the protocol hands over, passing only the keywords it takes."""
-
-    def taken(**keywords: Any) -> dict[str, Any]:
-        return {name: value for name, value in keywords.items() if accepts(function, name)}
-
-    p = parameters
-    if stage == "window":
-        return {"w": function(p["name"], p["size"])}
-    if stage == "synthesize":
-        waves = Components(*(np.asarray(arrays[name]).ravel() for name in ("kx", "ky", "omega", "amplitude", "phase")))
-        return {"eta": function(waves, *(np.asarray(arrays[name]).ravel() for name in "xyt"))}
-    spacing = (p["dx"], p["dy"], p["dt"])
-    if stage == "spectrum":
-        return {"S": function(arrays["eta"], spacing, **taken(window=p["window"]))}
-    keywords = taken(gravity=p["gravity"], window=p["window"], method=p["method"])
-    if accepts(function, "wavenumbers"):
-        answer = function(arrays["eta"], spacing, np.asarray(p["wavenumbers"]), **keywords)
-    else:
-        answer = function(arrays["eta"], spacing, **keywords)
-    if isinstance(answer, Mapping):
-        return dict(answer)
-    if isinstance(answer, tuple) and len(answer) == 2 and np.ndim(answer[0]) == 2:
-        return {"velocities": answer[0], "wavenumbers": answer[1]}
-    return {"velocities": answer}
+    return Velocities(asked, values, np.asarray(np.isnan(values).any(axis=1)))

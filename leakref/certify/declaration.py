@@ -1,0 +1,77 @@
+"""What an implementation says of itself: units, axes, directions, what it can do and what it cannot be told."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from leakref.certify.verdict import Unanswered, Verdict
+
+__all__ = ["STAGES", "Declaration"]
+
+STAGES = ("window", "synthesize", "spectrum", "extract")
+_DEFAULT = {"name": "unnamed", "version": "", "units": "scaled", "axes": "xyt", "y": "up", "direction": "to"}
+
+
+@dataclass(frozen=True)
+class Declaration:
+    """The fields of "ready" in CONTRACT.md, checked and completed."""
+
+    name: str = "unnamed"
+    version: str = ""
+    units: str = "scaled"
+    axes: str = "xyt"
+    y: str = "up"
+    direction: str = "to"
+    format: str = "npz"
+    fixed: tuple[str, ...] = ()
+    can: Mapping[str, Mapping[str, Any]] = field(default_factory=lambda: {"extract": {}})
+
+    @classmethod
+    def read(cls, given: Mapping[str, Any]) -> Declaration:
+        """From an object somebody wrote. Raises Unanswered (error) that names the field that is wrong."""
+        known = {**_DEFAULT, "format": "npz", "fixed": (), "can": {"extract": {}}, **given}
+        choices = {"units": ("si", "scaled"), "y": ("up", "down"), "direction": ("to", "from"),
+                   "axes": ("xyt", "xty", "yxt", "ytx", "txy", "tyx"), "format": ("npz", "mat", "raw")}
+        for name, allowed in choices.items():
+            if known[name] not in allowed:
+                raise Unanswered(Verdict.ERROR, f"declares {name} = {known[name]!r}, should be one of "
+                                                f"{', '.join(allowed)}")
+        can = known["can"]
+        if not isinstance(can, Mapping) or not can or not set(can) <= set(STAGES):
+            raise Unanswered(Verdict.ERROR, f"declares can = {can!r}, should be an object with some of "
+                                            f"{', '.join(STAGES)}")
+        if not all(isinstance(what, Mapping) for what in can.values()):
+            raise Unanswered(Verdict.ERROR, f"declares can = {can!r}, should hold an object for each stage")
+        fixed = known["fixed"]
+        if isinstance(fixed, str) or not all(isinstance(name, str) for name in fixed):
+            raise Unanswered(Verdict.ERROR, f"declares fixed = {fixed!r}, should be a list of parameter names")
+        return cls(**{name: str(known[name]) for name in (*_DEFAULT, "format")}, fixed=tuple(fixed), can=dict(can))
+
+    @property
+    def methods(self) -> tuple[str, ...]:
+        """Extractions offered; the first is its main one."""
+        return tuple(self.can.get("extract", {}).get("methods", ("nsp",)))
+
+    @property
+    def windows(self) -> tuple[str, ...]:
+        """Windows under which it can extract. One that tapers nothing is run raw, and tapered beforehand."""
+        offered = self.can.get("extract", {}).get("windows", ("box", "hann"))
+        return tuple(offered) or ("box", "hann")
+
+    @property
+    def tapers(self) -> bool:
+        """Whether it applies the window itself."""
+        return bool(self.can.get("extract", {}).get("windows", ("box", "hann")))
+
+    @property
+    def band(self) -> bool:
+        """Whether it returns one velocity for the whole band of wavenumbers."""
+        return bool(self.can.get("extract", {}).get("resolves", "wavenumber") == "band")
+
+    def record(self) -> dict[str, Any]:
+        """For the certificate."""
+        return {"name": self.name, "version": self.version, "units": self.units, "axes": self.axes, "y": self.y,
+                "direction": self.direction, "fixed": list(self.fixed),
+                "can": {stage: dict(what) for stage, what in self.can.items()}}

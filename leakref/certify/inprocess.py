@@ -1,0 +1,118 @@
+"""An implementation in this process: a Python object or function, called directly, without limits."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from leakref.certify.declaration import STAGES, Declaration
+from leakref.certify.subject import Subject
+from leakref.certify.verdict import Unanswered, Verdict
+from leakref.sea import Components
+
+__all__ = ["InProcess", "accepts", "call", "described", "offered", "takes_wavenumbers"]
+
+
+class InProcess(Subject):
+    """A Python object or function called directly: for pytest and for the study of the suite, without limits."""
+
+    def __init__(self, implementation: Any, name: str = "") -> None:
+        self.calls = offered(implementation)
+        given = dict(implementation.describe()) if hasattr(implementation, "describe") else {}
+        super().__init__(described(given, self.calls, name or _name(implementation)))
+
+    def _work(self, stage: str, arrays: dict[str, Any], parameters: dict[str, Any]) -> Mapping[str, Any]:
+        before = {name: np.array(value) for name, value in arrays.items()}
+        try:
+            answer = call(self.calls[stage], stage, arrays, parameters)
+            self.violations += [f"{stage} altered its input {name}" for name, value in before.items()
+                                if not np.array_equal(value, arrays[name], equal_nan=True)]
+            return answer
+        except NotImplementedError as error:
+            raise Unanswered(Verdict.UNSUPPORTED, str(error) or f"{stage} is not implemented") from error
+        except Unanswered:
+            raise
+        except Exception as error:
+            raise Unanswered(Verdict.ERROR, f"{type(error).__name__}: {error}") from error
+
+
+def _name(implementation: Any) -> str:
+    own = getattr(implementation, "__qualname__", None) or type(implementation).__qualname__
+    return f"{getattr(implementation, '__module__', '')}:{own}"
+
+
+def offered(implementation: Any) -> dict[str, Callable[..., Any]]:
+    """The stages an object offers; a bare function is `extract`. Raises Unanswered if there are none."""
+    found = {s: getattr(implementation, s) for s in STAGES if callable(getattr(implementation, s, None))}
+    if not found and callable(implementation) and not isinstance(implementation, type):
+        found = {"extract": implementation}
+    if not found:
+        raise Unanswered(Verdict.ERROR, f"{_name(implementation)} offers none of {', '.join(STAGES)}")
+    return found
+
+
+def described(given: dict[str, Any], calls: Mapping[str, Callable[..., Any]], name: str) -> Declaration:
+    """What an object says of itself, completed by what its signatures show: keywords that are lacking are fixed."""
+    can = {stage: dict(given.get("can", {}).get(stage, {})) for stage in calls if stage in given.get("can", calls)}
+    fixed = list(given.get("fixed", ()))
+    if "extract" in can:
+        lacking = [key for key in ("gravity", "window", "method") if not accepts(calls["extract"], key)]
+        lacking += ["wavenumbers"] * (not takes_wavenumbers(calls["extract"]))
+        fixed += [key for key in lacking if key not in fixed]
+        if "window" in lacking:
+            can["extract"].setdefault("windows", [])
+        if "method" in lacking:
+            can["extract"].setdefault("methods", ["nsp"])
+    return Declaration.read({"name": name, **given, "fixed": fixed, "can": can})
+
+
+def accepts(function: Callable[..., Any], keyword: str) -> bool:
+    """Whether `function` takes the keyword; one whose signature cannot be seen takes all."""
+    try:
+        parameters = inspect.signature(function).parameters
+    except (TypeError, ValueError):
+        return True
+    return keyword in parameters or any(p.kind is p.VAR_KEYWORD for p in parameters.values())
+
+
+def takes_wavenumbers(function: Callable[..., Any]) -> bool:
+    """Whether it has a third positional parameter, whatever its name."""
+    try:
+        parameters = inspect.signature(function).parameters.values()
+    except (TypeError, ValueError):
+        return True
+    positional = [p for p in parameters if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)]
+    named = {"gravity", "window", "method"}
+    many = len([p for p in positional if p.name not in named]) >= 3
+    return many or any(p.kind is p.VAR_POSITIONAL for p in parameters)
+
+
+def call(function: Callable[..., Any], stage: str, arrays: Mapping[str, Any],
+         parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """Call a Python stage with what the protocol hands over, passing only the keywords it takes."""
+
+    def taken(**keywords: Any) -> dict[str, Any]:
+        return {name: value for name, value in keywords.items() if accepts(function, name)}
+
+    p = parameters
+    if stage == "window":
+        return {"w": function(p["name"], p["size"])}
+    if stage == "synthesize":
+        waves = Components(*(np.asarray(arrays[name]).ravel() for name in ("kx", "ky", "omega", "amplitude", "phase")))
+        return {"eta": function(waves, *(np.asarray(arrays[name]).ravel() for name in "xyt"))}
+    spacing = (p["dx"], p["dy"], p["dt"])
+    if stage == "spectrum":
+        return {"S": function(arrays["eta"], spacing, **taken(window=p["window"]))}
+    keywords = taken(gravity=p["gravity"], window=p["window"], method=p["method"])
+    if takes_wavenumbers(function):
+        answer = function(arrays["eta"], spacing, np.asarray(p["wavenumbers"]), **keywords)
+    else:
+        answer = function(arrays["eta"], spacing, **keywords)
+    if isinstance(answer, Mapping):
+        return dict(answer)
+    if isinstance(answer, tuple) and len(answer) == 2 and np.ndim(answer[0]) == 2:
+        return {"velocities": answer[0], "wavenumbers": answer[1]}
+    return {"velocities": answer}
