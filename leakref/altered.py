@@ -1,7 +1,8 @@
 """The chain with lines of its source changed: variants of decisions, and faults.
 
 A change names a room, a text that occurs in it exactly once, and what stands there instead. The altered rooms
-are imported under another package name, so that the chain itself, and other alterations, are not touched.
+are imported under another package name, so that the chain itself, and other alterations, are not touched. The
+compiled rooms can be altered likewise; what no change reaches of them is shared, since compiling takes half a minute.
 """
 
 from __future__ import annotations
@@ -26,6 +27,9 @@ __all__ = ["Change", "altered"]
 
 _ROOMS = Path(__file__).parent
 _SHARED = "_base"  # its exceptions and types must be the same ones everywhere
+_CHAIN = ("grid", "dispersion", "sea", "synthesis", "window", "spectrum", "leakage", "shell", "nsp", "leastsquares",
+          "chain")
+_COMPILED = {"fastspectra": {"grid", "window", "leakage"}, "fastscore": {"nsp"}}  # and what changes them in turn
 
 
 @dataclass(frozen=True)
@@ -52,6 +56,7 @@ class _Altered(importlib.abc.MetaPathFinder, importlib.abc.Loader):
         room = module.__name__.removeprefix(self.name).lstrip(".") or "__init__"
         source = _changed(room, [change for change in self.changes if change.room == room])
         own = re.sub(rf"^(\s*from )leakref(?!\.{_SHARED}\b)([. ])", rf"\1{self.name}\2", source, flags=re.MULTILINE)
+        own = own.replace("njit(cache=True, ", "njit(")  # numba keeps code by the file it is from, and there is none
         exec(compile(own, f"<{self.name}.{room}>", "exec"), module.__dict__)
 
 
@@ -66,17 +71,21 @@ def _changed(room: str, changes: Sequence[Change]) -> str:
 
 
 @cache
-def altered(changes: tuple[Change, ...]) -> Any:
+def altered(changes: tuple[Change, ...], *, fast: bool = False) -> Any:
     """The chain with all `changes` made: its rooms as attributes, `altered(...).nsp` and so on.
 
-    Raises LeakrefError if a change no longer fits the source, before anything runs.
+    With `fast` also `cases`, `fast`, `fastspectra` and `fastscore`, the last two being the package's own where no
+    change reaches them. Raises LeakrefError if a change no longer fits the source, before anything runs.
     """
-    for room in {change.room for change in changes}:
+    rooms = {change.room for change in changes}
+    for room in rooms:
         _changed(room, [change for change in changes if change.room == room])
-    name = f"leakref_altered_{sha256(repr(changes).encode()).hexdigest()[:12]}"
+    name = f"leakref_altered_{sha256(repr((changes, fast)).encode()).hexdigest()[:12]}"
     sys.meta_path.insert(0, _Altered(name, changes))
     package = importlib.import_module(name)
-    for room in ("grid", "dispersion", "sea", "synthesis", "window", "spectrum", "leakage", "shell", "nsp",
-                 "leastsquares", "chain"):
+    for room, needs in _COMPILED.items() if fast else ():
+        if not rooms & {room, *needs}:
+            sys.modules[f"{name}.{room}"] = importlib.import_module(f"leakref.{room}")
+    for room in (*_CHAIN, *((*_COMPILED, "fast", "cases") if fast else ())):
         setattr(package, room, importlib.import_module(f"{name}.{room}"))
     return package

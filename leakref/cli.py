@@ -62,6 +62,102 @@ def command(panel: str | None, name: str | None = None,
     return register
 
 
+golden_app = typer.Typer(no_args_is_help=True, context_settings={"help_option_names": ["-h", "--help"]})
+app.add_typer(golden_app, name="golden", rich_help_panel=UPKEEP, help="The golden values: unchanged? still reproduced?")
+GoldenNumber = Annotated[int, typer.Option("--golden", help="Which set, 1 for golden/v1.")]
+GoldenFolder = Annotated[Path | None, typer.Option("--set", help="Folder of a set, instead of the installed one.")]
+GoldenWork = Annotated[Path, typer.Option(help="Folder where long runs are kept, and resumed from.")]
+Workers = Annotated[int, typer.Option(min=0, help="Processes; 0: one for each core.")]
+
+
+@command(JUDGE)
+def certify(
+    target: Annotated[str | None, typer.Argument(help="package.module:object, reference, fault:ID or variant:ID.")
+                      ] = None,
+    program: Annotated[str | None, typer.Option("--command", help="A program in any language, with its arguments."
+                                                )] = None,
+    profile: Annotated[str, typer.Option(help="quick (about a minute) or full (about ten).")] = "quick",
+    only: Annotated[list[str] | None, typer.Option(help="A finding, check or family, or a pattern; may be repeated.")
+                    ] = None,
+    report: Annotated[Path | None, typer.Option(help="Folder for the certificate: JSON and JUnit XML.")] = None,
+    known: Annotated[Path | None, typer.Option(help="Known failures: TOML, id = {reason, issue}.")] = None,
+    golden: GoldenNumber = 1,
+    timeout: Annotated[float | None, typer.Option(min=0.1, help="Seconds a run may take; default 120, in full 600.")
+                       ] = None,
+    memory: Annotated[float, typer.Option(min=0.01, help="GiB that the program may hold.")] = 8.0,
+    workers: Annotated[int, typer.Option(min=0, help="Sessions side by side; 0: one for each core.")] = 0,
+    keep: Annotated[Path | None, typer.Option(help="Keep what is exchanged with the program in this folder.")] = None,
+    listing: Annotated[bool, typer.Option("--list", help="Print the ids of all findings and stop.")] = False,
+    schema: Annotated[bool, typer.Option("--schema", help="Print the certificate's JSON schema and stop.")] = False,
+    json: Json = False,
+) -> int:
+    """Is this code right? Its signs, axes, scales, leakage and digits; a grade, and what fell short."""
+    from leakref import LeakrefError
+    from leakref.certify import commands
+
+    if profile not in ("quick", "full"):
+        raise LeakrefError("certify", f"no profile {profile!r}", "choose quick or full")
+    if schema:
+        commands.show_schema()
+        return 0
+    if listing:
+        return commands.show_list(profile, only or [], json=json)
+    return commands.run(commands.Request(target, program, profile, only or [], report, known, golden, timeout, memory,
+                                         workers or os.cpu_count() or 1, keep), json=json)
+
+
+@command(JUDGE)
+def explain(
+    identifier: Annotated[str, typer.Argument(metavar="ID", help="Of a check, fault, variant, claim, decision, golden "
+                                                                 "value.")],
+    json: Json = False,
+) -> bool:
+    """What an id stands for, in words: why a check is there, what a fault is, how a claim is tested."""
+    from leakref.explain import run
+
+    return run(identifier, json=json)
+
+
+@command(DATA)
+def extract(
+    file: Annotated[Path, typer.Argument(help="A cube: npz, mat (v5 to v7), NetCDF, or npy with --spacing.")],
+    window: Annotated[str, typer.Option(help="box (none), hann, blackman or kaiser-bessel.")] = "hann",
+    method: Annotated[str, typer.Option(help="nsp or ls.")] = "nsp",
+    wavenumbers: Annotated[str | None, typer.Option(help="0.4,0.5 or first:last:step, in the file's units; default: "
+                                                         "every dk from 4 dk up where there is signal.")] = None,
+    screen: Annotated[bool, typer.Option("--screen", help="Is leakage at work? Untapered against tapered.")] = False,
+    rotate: Annotated[float | None, typer.Option(help="With --screen: also turn the images, degrees.")] = None,
+    spacing: Annotated[str | None, typer.Option(help="dx,dy,dt, instead of coordinates in the file.")] = None,
+    axes: Annotated[str | None, typer.Option(help="Order in which eta is stored, such as txy.")] = None,
+    gravity: Annotated[float | None, typer.Option(help="In the file's units, if it does not say.")] = None,
+    detrend: Annotated[str, typer.Option(help="Remove first: none, mean, or linear (a plane in x, y, t).")] = "none",
+    out: Annotated[Path | None, typer.Option(help="Folder for JSON, CSV, NetCDF and figures.")] = None,
+    json: Json = False,
+) -> bool:
+    """The chain on your own cube: a Doppler shift velocity for each wavenumber, in the file's units."""
+    from leakref.userdata import extract as run
+
+    return run(file, window=window, method=method, wavenumbers=wavenumbers, screening=screen, rotate=rotate,
+               spacing=spacing, axes=axes, gravity=gravity, detrend=detrend, out=out, json=json)
+
+
+@command(DATA)
+def export(
+    case: Annotated[str, typer.Argument(help="One configuration, as in `leakref reproduce --list`.")],
+    out: Annotated[Path, typer.Option(help="File to write.")],
+    realization: Annotated[int, typer.Option(min=0, help="Which realisation.")] = 0,
+    format: Annotated[str, typer.Option(help="npz, mat (v5) or netcdf.")] = "npz",
+    peak_wavenumber: Annotated[float | None, typer.Option(help="k0 in rad/m, with --gravity: SI units.")] = None,
+    gravity: Annotated[float | None, typer.Option(help="In m/s2, with --peak-wavenumber.")] = None,
+    json: Json = False,
+) -> bool:
+    """A cube of a paper case with its truth, for any code to try."""
+    from leakref.userdata import export as run
+
+    return run(case, realization=realization, format=format, out=out, peak_wavenumber=peak_wavenumber, gravity=gravity,
+               json=json)
+
+
 @command(PAPER)
 def demo(
     out: Annotated[Path, typer.Option(help="Folder for the picture and the table.")] = Path("leakref-demo"),
@@ -119,54 +215,6 @@ def claims(
 
     return run(ids or [], realizations=realizations, place=place, figures=figures, out=out,
                workers=workers or os.cpu_count() or 1, json=json)
-
-
-@command(DATA)
-def extract(
-    file: Annotated[Path, typer.Argument(help="A cube: npz, mat (v5 to v7), NetCDF, or npy with --spacing.")],
-    window: Annotated[str, typer.Option(help="box (none), hann, blackman or kaiser-bessel.")] = "hann",
-    method: Annotated[str, typer.Option(help="nsp or ls.")] = "nsp",
-    wavenumbers: Annotated[str | None, typer.Option(help="0.4,0.5 or first:last:step, in the file's units; default: "
-                                                         "every dk from 4 dk up where there is signal.")] = None,
-    screen: Annotated[bool, typer.Option("--screen", help="Is leakage at work? Untapered against tapered.")] = False,
-    rotate: Annotated[float | None, typer.Option(help="With --screen: also turn the images, degrees.")] = None,
-    spacing: Annotated[str | None, typer.Option(help="dx,dy,dt, instead of coordinates in the file.")] = None,
-    axes: Annotated[str | None, typer.Option(help="Order in which eta is stored, such as txy.")] = None,
-    gravity: Annotated[float | None, typer.Option(help="In the file's units, if it does not say.")] = None,
-    detrend: Annotated[str, typer.Option(help="Remove first: none, mean, or linear (a plane in x, y, t).")] = "none",
-    out: Annotated[Path | None, typer.Option(help="Folder for JSON, CSV, NetCDF and figures.")] = None,
-    json: Json = False,
-) -> bool:
-    """The chain on your own cube: a Doppler shift velocity for each wavenumber, in the file's units."""
-    from leakref.userdata import extract as run
-
-    return run(file, window=window, method=method, wavenumbers=wavenumbers, screening=screen, rotate=rotate,
-               spacing=spacing, axes=axes, gravity=gravity, detrend=detrend, out=out, json=json)
-
-
-@command(DATA)
-def export(
-    case: Annotated[str, typer.Argument(help="One configuration, as in `leakref reproduce --list`.")],
-    out: Annotated[Path, typer.Option(help="File to write.")],
-    realization: Annotated[int, typer.Option(min=0, help="Which realisation.")] = 0,
-    format: Annotated[str, typer.Option(help="npz, mat (v5) or netcdf.")] = "npz",
-    peak_wavenumber: Annotated[float | None, typer.Option(help="k0 in rad/m, with --gravity: SI units.")] = None,
-    gravity: Annotated[float | None, typer.Option(help="In m/s2, with --peak-wavenumber.")] = None,
-    json: Json = False,
-) -> bool:
-    """A cube of a paper case with its truth, for any code to try."""
-    from leakref.userdata import export as run
-
-    return run(case, realization=realization, format=format, out=out, peak_wavenumber=peak_wavenumber, gravity=gravity,
-               json=json)
-
-
-golden_app = typer.Typer(no_args_is_help=True, context_settings={"help_option_names": ["-h", "--help"]})
-app.add_typer(golden_app, name="golden", rich_help_panel=UPKEEP, help="The golden values: unchanged? still reproduced?")
-GoldenNumber = Annotated[int, typer.Option("--golden", help="Which set, 1 for golden/v1.")]
-GoldenFolder = Annotated[Path | None, typer.Option("--set", help="Folder of a set, instead of the installed one.")]
-GoldenWork = Annotated[Path, typer.Option(help="Folder where long runs are kept, and resumed from.")]
-Workers = Annotated[int, typer.Option(min=0, help="Processes; 0: one for each core.")]
 
 
 @command(None, "lint", golden_app)

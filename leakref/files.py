@@ -23,7 +23,7 @@ from leakref.grid import Grid
 from leakref.sea import Components
 from leakref.synthesis import synthesize
 
-__all__ = ["FORMATS", "UNITS", "Cube", "netcdf_library", "of_configuration", "read", "write"]
+__all__ = ["FORMATS", "UNITS", "Cube", "netcdf_library", "of_configuration", "read", "variables", "write"]
 
 FORMATS = ("npz", "mat", "netcdf")
 """What can be written; read is also a memory-mapped npy."""
@@ -156,13 +156,28 @@ def read(path: Path, *, spacing: Sequence[float] | None = None, axes: str | None
     size of the file before anything is read. Raises LeakrefError that names file, fault and remedy.
     """
     path = Path(path)
+    return _cube(path, _variables(path, _KNOWN), spacing, axes, gravity)
+
+
+def variables(path: Path, names: Sequence[str]) -> dict[str, Any]:
+    """Those of the variables `names` that an npz or mat file holds, as arrays, read with the same suspicion as `read`.
+
+    Raises LeakrefError that names file, fault and remedy.
+    """
+    return _variables(Path(path), names, ("npz", "mat"))
+
+
+def _variables(path: Path, names: Sequence[str], kinds: Sequence[str] = ()) -> dict[str, Any]:
+    """The raw variables of a file, of one of the `kinds` if there are any. Whatever goes wrong is a LeakrefError."""
     try:
         if path.is_dir():
             _refuse(path, "is a folder", "name the file with the cube in it")
         with path.open("rb") as stream:
             start = stream.read(128)
         kind, reader = _kind(path, start)
-        raw = reader(path)
+        if kinds and kind not in kinds:
+            _refuse(path, f"is a file of the kind {kind}", f"write {' or '.join(kinds)}")
+        return reader(path, names)
     except LeakrefError:
         raise
     except FileNotFoundError:
@@ -174,7 +189,6 @@ def read(path: Path, *, spacing: Sequence[float] | None = None, axes: str | None
     except Exception as error:  # parsers of damaged files raise anything: struct.error, zlib.error, KeyError, OSError
         _refuse(path, f"is damaged or cut short (reading it as {kind} failed: {error or type(error).__name__})",
                 "copy or export it again")
-    return _cube(path, raw, spacing, axes, gravity)
 
 
 _AS_NPY = "save eta with numpy.save as .npy, which is read in blocks, and pass --spacing dx,dy,dt"
@@ -184,7 +198,7 @@ def _refuse(path: Path, fault: str, remedy: str) -> NoReturn:
     raise LeakrefError("extract", f"{path} {fault}", remedy)
 
 
-def _kind(path: Path, start: bytes) -> tuple[str, Callable[[Path], dict[str, Any]]]:
+def _kind(path: Path, start: bytes) -> tuple[str, Callable[[Path, Sequence[str]], dict[str, Any]]]:
     """The format by its first bytes, and its reader."""
     if start.startswith(b"\x93NUMPY"):
         return "npy", _read_npy
@@ -229,7 +243,7 @@ def _npy_header(path: Path, name: str, stream: Any) -> tuple[tuple[int, ...], bo
     return shape, fortran, dtype
 
 
-def _read_npy(path: Path) -> dict[str, Any]:
+def _read_npy(path: Path, names: Sequence[str]) -> dict[str, Any]:
     with path.open("rb") as stream:
         shape, fortran, dtype = _npy_header(path, "eta", stream)
         offset = stream.tell()
@@ -237,10 +251,10 @@ def _read_npy(path: Path) -> dict[str, Any]:
     return {"eta": np.memmap(path, dtype, "r", offset, shape, "F" if fortran else "C")}
 
 
-def _read_npz(path: Path) -> dict[str, Any]:
+def _read_npz(path: Path, names: Sequence[str]) -> dict[str, Any]:
     found = {}
     with zipfile.ZipFile(path) as archive:
-        for name in _KNOWN:
+        for name in names:
             member = f"{name}.npy"
             if member not in archive.namelist():
                 continue
@@ -256,8 +270,8 @@ def _read_npz(path: Path) -> dict[str, Any]:
     return found
 
 
-def _read_mat(path: Path) -> dict[str, Any]:
-    """The known variables of a mat file, v5 to v7. Read here: scipy.io.loadmat crashes on some damaged files."""
+def _read_mat(path: Path, names: Sequence[str]) -> dict[str, Any]:
+    """The variables `names` of a mat file, v5 to v7. Read here: scipy.io.loadmat crashes on some damaged files."""
     content = memoryview(np.memmap(path, np.uint8, "r"))
     order = "<" if bytes(content[126:128]) == b"IM" else ">"
     found: dict[str, Any] = {}
@@ -269,7 +283,7 @@ def _read_mat(path: Path) -> dict[str, Any]:
             unpacked = memoryview(zlib.decompressobj().decompress(element, 8 + length))
             ((kind, element),) = _elements(path, unpacked, order)
         if kind == _MATRIX:
-            found |= _mat_variable(path, element, order)
+            found |= _mat_variable(path, element, order, names)
     return found
 
 
@@ -294,12 +308,12 @@ def _elements(path: Path, content: memoryview, order: str) -> Iterator[tuple[int
         at = at + 8 if small else start + length + (0 if kind == _COMPRESSED else -length % 8)
 
 
-def _mat_variable(path: Path, content: memoryview, order: str) -> dict[str, Any]:
-    """{name: array} of a variable that is known, empty for others."""
+def _mat_variable(path: Path, content: memoryview, order: str, names: Sequence[str]) -> dict[str, Any]:
+    """{name: array} of a variable that is one of `names`, empty for others."""
     parts = list(_elements(path, content, order))
     flags, dims, label = (np.frombuffer(parts[n][1], f"{order}{_STORED[parts[n][0]]}") for n in range(3))
     name, kind = label.tobytes().decode("latin1"), int(flags[0]) & 0xFF
-    if name not in _KNOWN:
+    if name not in names:
         return {}
     if kind not in _CLASSES:
         _refuse(path, f"holds {name} as {_NOT_NUMBERS.get(kind, 'something else')}", "save it as an array of numbers")
@@ -309,10 +323,10 @@ def _mat_variable(path: Path, content: memoryview, order: str) -> dict[str, Any]
     if kind == 4:
         return {name: np.array("".join(map(chr, values[0].tolist())))}
     array = values[0].astype(_CLASSES[kind]).reshape(shape, order="F")
-    return {name: array * (1 + 0j) if int(flags[0]) & 0x800 else array}
+    return {name: array + 1j * values[1].reshape(shape, order="F") if int(flags[0]) & 0x800 else array}
 
 
-def _read_netcdf(path: Path) -> dict[str, Any]:
+def _read_netcdf(path: Path, names: Sequence[str]) -> dict[str, Any]:
     xarray = netcdf_library()
     import h5py
 
@@ -320,15 +334,15 @@ def _read_netcdf(path: Path) -> dict[str, Any]:
         _ = [stream["/"][name] for name in stream]
     with xarray.open_dataset(path, engine="h5netcdf", decode_times=False) as data:
         found: dict[str, Any] = {}
-        for name in _KNOWN:
+        for name in names:
             if name in data.variables:
                 variable = data.variables[name]
                 _claim(path, name, variable.shape, variable.dtype.itemsize, _DENSEST * path.stat().st_size)
                 found[name] = variable.values
                 found[f"units of {name}"] = str(variable.attrs.get("units", ""))
         if "eta" in found:
-            names = {"time": "t"}
-            found["dims"] = tuple(names.get(str(d).lower(), str(d).lower()) for d in data.variables["eta"].dims)
+            spelled = {"time": "t"}
+            found["dims"] = tuple(spelled.get(str(d).lower(), str(d).lower()) for d in data.variables["eta"].dims)
             if "t" not in found and "time" in data.variables:
                 found["t"], found["units of t"] = data["time"].values, str(data["time"].attrs.get("units", ""))
         found |= {name: data.attrs[name] for name in ("units", "gravity") if name in data.attrs and name not in found}

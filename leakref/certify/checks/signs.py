@@ -1,0 +1,72 @@
+"""Signs and axes: a current comes back in its own direction, and not in another that a slip would give it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from leakref._base import FloatArray
+from leakref.certify import cubes
+from leakref.certify.cubes import polar
+from leakref.certify.judging import ask, bare, each_method, taper, vector
+from leakref.certify.registry import Case, Outcome, check
+from leakref.certify.subject import Subject
+from leakref.dispersion import UniformCurrent
+
+__all__ = ["check_aligned", "check_sea", "image"]
+
+SPEED = 0.3
+IMAGES = {"negated": ((-1, 0), (0, -1)), "with x flipped": ((-1, 0), (0, 1)), "with y flipped": ((1, 0), (0, -1)),
+          "with x and y exchanged": ((0, 1), (1, 0)), "with x and y exchanged, and negated": ((0, -1), (-1, 0)),
+          "turned left by 90 degrees": ((0, -1), (1, 0)), "turned right by 90 degrees": ((0, 1), (-1, 0))}
+"""What slips of sign and order make of a velocity."""
+# 22.5 degrees off an axis: as far from its mirror image in that axis as from that in the diagonal
+CASES = [Case(f"to-{angle:g}", {"direction": angle}, quick=n % 2 == 0)
+         for n, angle in enumerate(np.arange(22.5, 360, 45).tolist())]
+
+
+def image(found: FloatArray, should: FloatArray) -> str:
+    """What `found` (2,) looks like if it is not `should` (2,) but nearer to one of its images; else empty."""
+    off = {name: float(np.hypot(*(np.asarray(matrix) @ should - found))) for name, matrix in IMAGES.items()}
+    nearest = min(off, key=lambda name: off[name])
+    return nearest if off[nearest] < np.hypot(*(found - should)) else ""
+
+
+def _sided(found: FloatArray, should: FloatArray) -> Outcome:
+    """Nearer to the truth than half-way to the nearest of its images."""
+    halfway = min(float(np.hypot(*(np.asarray(matrix) @ should - should))) for matrix in IMAGES.values()) / 2
+    over = float(np.hypot(*(found - should))) / halfway
+    looks = image(found, should) if over > 1 else ""
+    told = f"a current of {vector(should)} comes back {looks}, as" if looks else f"a current of {vector(should)} is"
+    return Outcome(over, f"{told} {vector(found)}", figures={"velocity": found.tolist(), "should_be": should.tolist(),
+                                                            "image": looks})
+
+
+@check("signs", "eq:SnJ", "half-way to the nearest velocity that a slip of sign or order could give: 0.11 c0, which is "
+       "1.5 resolutions (eq:dcdwk) of the mean over four wavenumbers", CASES)
+def check_sea(subject: Subject, case: Case) -> Outcome:
+    """A transform forward in time, rows counted downwards or columns taken for rows turn the current of a sea into
+    another one of the same speed: negated, one component flipped, x and y exchanged."""
+    current = UniformCurrent(polar(SPEED, case.given["direction"]))
+    cube = cubes.sea(case.given["direction"] + 60, 180.0, current, realization=7)
+    window = taper(subject)
+
+    def judge(method: str) -> Outcome:
+        found, there = ask(subject, cube, window, method)
+        return _sided(found[there].mean(axis=0), cube.truth[0])
+
+    return each_method(subject, judge)
+
+
+@check("signs", "eq:SnJ", "half-way to the nearest velocity that a slip of sign or order could give: at least 0.08 c0, "
+       "and the answer is exact", CASES)
+def check_aligned(subject: Subject, case: Case) -> Outcome:
+    """Two waves on bins leave no room for leakage: a sign slip in the 2 x 2 solve, which a sea may hide in one
+    component, shows here whatever the window does."""
+    cube = cubes.pair(cubes.EVEN, (5, 3), (-2, 5), polar(SPEED, case.given["direction"]))
+    window = bare(subject)
+
+    def judge(method: str) -> Outcome:
+        found, there = ask(subject, cube, window, method)
+        return _sided(found[there].mean(axis=0), cube.truth[0])
+
+    return each_method(subject, judge)

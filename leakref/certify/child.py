@@ -1,0 +1,264 @@
+"""A program that is given lines and gives lines: in a session of its own, watched, and ended with all its offspring."""
+
+from __future__ import annotations
+
+import json
+import os
+import queue
+import signal
+import subprocess
+import threading
+import time
+from collections import deque
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import psutil
+
+from leakref._base import LeakrefError
+from leakref._output import dump
+from leakref.certify.verdict import Unanswered, Verdict
+
+__all__ = ["Breach", "Child", "printable"]
+
+LONGEST = 1 << 22
+"""Bytes of a line: what goes on for longer is dropped up to its end."""
+_CHUNK, _UNREAD, _TAIL = 1 << 16, 16, 1 << 12
+_POLL = 0.05  # seconds between two looks at the memory
+_GRACE = 2.0  # seconds to end after `stop`
+_ROUNDS = 60  # of killing what is left: it may fork while it is looked for
+_MARK = "LEAKREF_EXCHANGE"  # in the environment: handed down to whatever it starts, in whatever session
+
+
+class Breach(Unanswered):
+    """It broke the protocol or a limit, or is gone: it has to be started again."""
+
+
+def printable(text: Any, longest: int = 300) -> str:
+    """Words of a program that is not trusted, on one line and without control characters, cut if too long."""
+    line = "".join(c if c.isprintable() else " " for c in str(text)[: 4 * longest])
+    line = " ".join(line.split())
+    return line if len(line) <= longest else line[: longest - 3] + "..."
+
+
+class Child:
+    """A running program, started from an argument list without a shell. `mark` is a text no other process has.
+
+    Raises LeakrefError if it cannot be started at all.
+    """
+
+    def __init__(self, command: Sequence[str], folder: Path | None, mark: str) -> None:
+        self._mark = mark
+        group: dict[str, Any] = ({"start_new_session": True} if os.name == "posix" else
+                                 {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP})  # type: ignore[attr-defined]
+        try:
+            self._popen = subprocess.Popen(list(command), stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                                           stderr=subprocess.PIPE, bufsize=0, cwd=folder,
+                                           env={**os.environ, _MARK: mark}, **group)
+        except (OSError, ValueError) as error:
+            reason = getattr(error, "strerror", None) or str(error)
+            raise LeakrefError("certify", f"{printable(command[0])!r} cannot be started ({reason})",
+                               "give the program and its arguments as in a shell, with a path if need be") from None
+        self._process = psutil.Process(self._popen.pid)
+        self._seen = {self._process}
+        self._batches: queue.Queue[list[dict[str, Any]] | None] = queue.Queue()
+        self._waiting: deque[dict[str, Any]] = deque()
+        self._silent = False  # its standard output has ended
+        self._noise: deque[str] = deque(maxlen=20)
+        self._errors = b""
+        self._threads = [threading.Thread(target=work, args=(stream,), daemon=True) for work, stream in
+                         ((self._read_lines, self._popen.stdout), (self._read_errors, self._popen.stderr))]
+        for thread in self._threads:
+            thread.start()
+
+    # ------------------------------------------------------------ talking
+
+    def send(self, message: Mapping[str, Any]) -> None:
+        """A line to its standard input, by a thread: a program that does not read must not hold us up."""
+        writer = threading.Thread(target=self._write, args=(dump(message).encode() + b"\n",), daemon=True)
+        writer.start()
+        self._threads = [*(thread for thread in self._threads if thread.is_alive()), writer]
+
+    def receive(self, seconds: float, memory: float) -> dict[str, Any]:
+        """Its next message, an object with `op` or `id`. Raises Breach after `seconds`, or above `memory` bytes."""
+        end = time.monotonic() + seconds
+        while not self._waiting:
+            gone, left = self._silent or self._ended(), end - time.monotonic()
+            if left <= 0 and not gone:
+                raise Breach(Verdict.TIMEOUT, f"gave no answer within {seconds:g} s")
+            if not self._gather(min(max(left, 0.0), _POLL)):
+                if gone:
+                    raise Breach(Verdict.ERROR, self._farewell())
+                if (held := self._resident()) > memory:
+                    raise Breach(Verdict.ERROR, f"held {held / 2**20:.0f} MiB of memory with its offspring, more than "
+                                                f"the {memory / 2**20:.0f} MiB allowed")
+        return self._waiting.popleft()
+
+    def unasked(self) -> list[dict[str, Any]]:
+        """What it has said since the last `receive`, without being asked."""
+        while self._gather(0.0):
+            pass
+        said = list(self._waiting)
+        self._waiting.clear()
+        return said
+
+    def words(self) -> str:
+        """The last of what it wrote to standard error, or else of what it printed beside the protocol; maybe empty."""
+        lines = self._errors.decode("utf-8", "replace").strip().splitlines()[-3:] or list(self._noise)[-3:]
+        return printable(" | ".join(lines))
+
+    def _gather(self, seconds: float) -> bool:
+        """Wait for the next messages and keep them; whether there were any."""
+        try:
+            batch = self._batches.get(timeout=seconds) if seconds else self._batches.get_nowait()
+        except queue.Empty:
+            return False
+        self._silent |= batch is None
+        self._waiting.extend(batch or ())
+        return batch is not None
+
+    # ------------------------------------------------------------ threads, one a stream
+
+    def _write(self, line: bytes) -> None:
+        assert self._popen.stdin
+        with suppress(OSError, ValueError):  # it may be gone: that is seen where its answer is waited for
+            while line:
+                line = line[self._popen.stdin.write(line) :]
+
+    def _read_errors(self, stream: BinaryIO) -> None:
+        with stream:
+            while chunk := stream.read(_CHUNK):
+                self._errors = (self._errors + chunk)[-_TAIL:]
+
+    def _read_lines(self, stream: BinaryIO) -> None:
+        """Messages of one read together: what was written in one go is never seen in part."""
+        begun, dropping = b"", False
+        with stream:
+            while chunk := stream.read(_CHUNK):
+                *lines, begun = (begun + chunk).split(b"\n")
+                if lines and dropping:
+                    del lines[0]
+                    dropping = False
+                if len(begun) > LONGEST or dropping:
+                    if not dropping:
+                        self._noise.append(f"(a line of more than {LONGEST} bytes)")
+                    begun, dropping = b"", True
+                messages = [message for line in lines if (message := self._message(line))]
+                if messages and self._batches.qsize() < _UNREAD:  # whoever says more without being asked is out anyway
+                    self._batches.put(messages)
+        self._batches.put(None)
+
+    def _message(self, line: bytes) -> dict[str, Any] | None:
+        """The object on a line; None, and a note of it, if it is not one with `op` or `id`."""
+        try:
+            message = json.loads(line.decode("utf-8"), parse_int=_whole) if line.lstrip()[:1] == b"{" else None
+        except (ValueError, RecursionError):
+            message = None
+        if isinstance(message, dict) and ("op" in message or "id" in message):
+            return message
+        self._noise.append(line[:300].decode("utf-8", "replace"))
+        return None
+
+    # ------------------------------------------------------------ watching and ending
+
+    def _ended(self) -> bool:
+        """Whether the program itself has ended, without waiting for it: `kill` says why."""
+        try:
+            return self._process.status() in (psutil.STATUS_ZOMBIE, psutil.STATUS_DEAD)
+        except psutil.Error:
+            return True
+
+    def _family(self) -> set[psutil.Process]:
+        """The program and its offspring; those once seen to be so count even where a parent is gone."""
+        found: set[psutil.Process] = {self._process}
+        for start in (self._process, *self._seen):
+            if start not in found or start is self._process:
+                with suppress(psutil.Error):
+                    found |= {start, *start.children(recursive=True)}
+        self._seen = {process for process in found if process.is_running()}
+        return self._seen
+
+    def _resident(self) -> int:
+        total = 0
+        for process in self._family():
+            with suppress(psutil.Error):
+                total += process.memory_info().rss
+        return total
+
+    def _alive(self) -> list[psutil.Process]:
+        """All that is left of it: its family, its session, and whoever carries its mark."""
+        found = set(self._family())
+        for number in psutil.pids():
+            with suppress(psutil.Error, OSError):
+                process = psutil.Process(number)
+                if ((os.name == "posix" and os.getsid(number) == self._popen.pid)
+                        or process.environ().get(_MARK) == self._mark):
+                    found.add(process)
+        return [process for process in found if _runs(process)]
+
+    def _farewell(self) -> str:
+        """How it went, once it did not answer and never will."""
+        for _ in range(40):  # its output may close a little before it ends
+            if self._ended():
+                break
+            time.sleep(_POLL / 2)
+        by_itself = self._ended()
+        self.kill()
+        code = self._popen.returncode
+        if not by_itself:
+            return "closed its standard output"
+        if code is not None and code < 0:
+            with suppress(ValueError):
+                return f"was ended by signal {-code} ({signal.Signals(-code).name})"
+        return f"ended by itself, with exit status {code}"
+
+    def kill(self) -> None:
+        """End it with all its offspring, at once. Its number is its own until it is waited for, here at the end."""
+        if self._popen.returncode is not None:
+            return
+        for n in range(_ROUNDS):
+            left = self._alive()
+            if not left:
+                break
+            if os.name == "posix":
+                with suppress(OSError):
+                    os.killpg(self._popen.pid, signal.SIGKILL)
+            for process in left:
+                with suppress(psutil.Error):
+                    process.kill()
+            time.sleep(min(0.002 * 2**n, 0.1))
+        with suppress(subprocess.TimeoutExpired):
+            self._popen.wait(_GRACE)
+        for thread in self._threads:
+            thread.join(_GRACE)
+        self._close_input()
+
+    def _close_input(self) -> None:
+        assert self._popen.stdin
+        with suppress(OSError):
+            self._popen.stdin.close()
+
+    def stop(self) -> None:
+        """Ask it to end, give it a little time, and end what is left."""
+        self.send({"op": "stop"})
+        self._threads[-1].join(_GRACE)
+        if not self._threads[-1].is_alive():
+            self._close_input()
+        end = time.monotonic() + _GRACE
+        while not self._ended() and time.monotonic() < end:
+            time.sleep(0.01)
+        self.kill()
+
+
+def _runs(process: psutil.Process) -> bool:
+    try:
+        return process.is_running() and process.status() not in (psutil.STATUS_ZOMBIE, psutil.STATUS_DEAD)
+    except psutil.Error:
+        return False
+
+
+def _whole(digits: str) -> int | float:
+    """A whole number in JSON; one too long for an id becomes a float, infinite if need be, as in other languages."""
+    return int(digits) if len(digits) < 16 else float(digits)

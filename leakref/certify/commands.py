@@ -1,0 +1,162 @@
+"""The commands that judge a code: certify, explain; what they print and write."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from leakref._base import LeakrefError
+from leakref._output import console, dump, folder, progress_bar, write_whole
+from leakref.certify.certificate import Certificate, junit, read_known, schema
+from leakref.certify.connect import HarnessBroken, Limits, connect
+from leakref.certify.judge import certify
+from leakref.certify.registry import chosen
+from leakref.certify.verdict import Verdict
+from leakref.golden import locate
+
+__all__ = ["Request", "run", "show_list", "show_schema"]
+
+_COLOUR = {Verdict.PASS: "green", Verdict.FAIL: "red", Verdict.ERROR: "red", Verdict.TIMEOUT: "red",
+           Verdict.MISSING: "yellow", Verdict.UNSUPPORTED: "dim"}
+_SHOWN = 20
+"""Failures printed in full; the rest are in the JSON and the report."""
+
+
+@dataclass(frozen=True)
+class Request:
+    """What was asked on the command line."""
+
+    target: str | None
+    command: str | None
+    profile: str = "quick"
+    only: Sequence[str] = ()
+    report: Path | None = None
+    known: Path | None = None
+    golden: int = 1
+    timeout: float | None = None
+    memory: float = 8.0
+    workers: int = 2
+    keep: Path | None = None
+
+
+def show_list(profile: str, only: Sequence[str], *, json: bool) -> int:
+    """Print the ids of all findings there can be."""
+    ids = [f"{check.id}[{case.id}]" for check, case in chosen(only, profile=profile)]
+    print(dump({"schema": "leakref/certify/1", "ok": bool(ids), "ids": ids}) if json else "\n".join(ids))
+    return 0 if ids else 3
+
+
+def show_schema() -> None:
+    """Print the JSON schema of the certificate."""
+    print(dump(schema()))
+
+
+def run(request: Request, *, json: bool = False) -> int:
+    """Certify, print, write; the exit status of CONTRACT.md."""
+    if (request.target is None) == (request.command is None):
+        given = "no target" if request.target is None else "a target and a --command"
+        raise LeakrefError("certify", f"{given} was given", "name package.module:object, reference, fault:ID or "
+                           'variant:ID, or pass --command "program arguments"')
+    if request.target is not None and not request.target.strip():
+        raise LeakrefError("certify", "the target is empty", "an empty variable? Name what is to be certified")
+    command = _split(request.command) if request.command is not None else None
+    locate(request.golden)
+    known = read_known(request.known) if request.known else {}
+    if request.report:
+        folder(request.report)
+    checks = chosen(request.only, profile=request.profile)
+    if not checks:
+        console().print(f"[red]Nothing to run:[/] no check of the {request.profile} profile matches "
+                        f"{', '.join(map(escape, request.only))}.")
+        return 3
+    limits = Limits(run=request.timeout or (600.0 if request.profile == "full" else 120.0),
+                    memory=int(request.memory * 2**30))
+    sessions = [connect(request.target, command, limits=limits, keep=request.keep)
+                for _ in range(min(max(1, request.workers), len(checks)))]
+    name = request.target or str(request.command)
+    try:
+        with progress_bar(f"checks of {name}", len(checks)) as step:
+            found = certify(name, sessions, checks, profile=request.profile, golden=request.golden, known=known,
+                            after_each=lambda finding: step())
+    except HarnessBroken as broken:
+        console().print(f"[red]Could not judge:[/] {escape(str(broken))}", soft_wrap=True)
+        return 3
+    _write(found, request.report)
+    if json:
+        print(dump(found.record()))
+    else:
+        _print(found, request.report)
+    return found.status
+
+
+def _split(command: str) -> list[str]:
+    try:
+        words = shlex.split(command)
+    except ValueError as error:
+        raise LeakrefError("certify", f"--command cannot be split ({error})", "quote it as for a shell") from None
+    if not words:
+        raise LeakrefError("certify", "--command is empty", "an empty variable? Name a program")
+    return words
+
+
+def _write(found: Certificate, report: Path | None) -> None:
+    if report is None:
+        return
+    text, suites = dump(found.record()) + "\n", junit(found)
+    write_whole(report / "certificate.json", lambda path: path.write_text(text, encoding="utf-8"))
+    write_whole(report / "junit.xml", lambda path: path.write_text(suites, encoding="utf-8"))
+
+
+def _print(found: Certificate, report: Path | None) -> None:
+    show = Console()
+    show.print(_summary(found))
+    for finding in found.wrong[:_SHOWN]:
+        over = "" if finding.over is None else f" ({finding.over:.3g} times the tolerance)"
+        show.print(f"[red]{finding.verdict}[/] [bold]{escape(finding.id)}[/]{over}\n  {escape(finding.message)}\n  "
+                   f"[dim]{escape(finding.repro)}[/]", soft_wrap=True)
+    if len(found.wrong) > _SHOWN:
+        show.print(f"... and {len(found.wrong) - _SHOWN} more; --json or --report has all of them.")
+    for finding in found.findings:
+        if finding.id in found.known and finding.verdict is not Verdict.PASS:
+            known = found.known[finding.id]
+            show.print(f"[yellow]known[/] {escape(finding.id)}: {escape(known.reason)} ({escape(known.issue)})")
+    for one in found.stale:
+        show.print(f"[red]out of date[/] {escape(one.id)} is listed as a known failure and passes; take it off.")
+    show.print(_sentence(found), soft_wrap=True)
+    if report is not None:
+        show.print(f"Written: {report / 'certificate.json'}, {report / 'junit.xml'}", soft_wrap=True)
+
+
+def _summary(found: Certificate) -> Table:
+    said = found.declaration
+    frame = f"{said['units']}, axes {said['axes']}, y {said['y']}, direction {said['direction']}"
+    if said["fixed"]:
+        frame += f", fixed: {', '.join(said['fixed'])}"
+    table = Table(title=escape(f"{said['name']} {said['version']}".strip()), caption=escape(frame))
+    table.add_column("family")
+    for verdict in Verdict:
+        table.add_column(str(verdict), justify="right", style=_COLOUR[verdict])
+    table.add_column("fewest digits", justify="right")
+    for family, counts in found.families():
+        digits = [f.digits for f in found.findings if f.family == family and f.digits is not None]
+        table.add_row(family, *(str(counts.get(str(verdict), "")) for verdict in Verdict),
+                      f"{min(digits):.1f}" if digits else "")
+    return table
+
+
+def _sentence(found: Certificate) -> str:
+    """The grade in words."""
+    n = len(found.judged)
+    words = {"conformant": f"[green bold]conformant[/]: reproduces the reference chain in all {n} findings.",
+             "sound": f"[green bold]sound[/]: another algorithm than the reference, and right wherever any algorithm "
+                      f"must be ({n} findings judged).",
+             "rejected": f"[red bold]rejected[/]: {len(found.wrong)} of {n} findings are wrong."}
+    if found.grade is None:
+        return "[red bold]not judged[/]: nothing that was asked is offered."
+    return f"{words[found.grade]} Golden set {found.golden}, {found.profile} profile, {found.seconds:.0f} s."

@@ -1,0 +1,103 @@
+"""The inputs of the checks: small seas and aligned waves with a known current, the same bits every time.
+
+No two sizes and no two spacings of a grid are alike, and dkx differs from dky, unless a case is about that.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+
+from leakref._base import FloatArray
+from leakref.dispersion import Current, UniformCurrent, intrinsic_frequency, velocity_resolutions
+from leakref.grid import Grid
+from leakref.sea import Components, SeaState, aligned_waves
+from leakref.synthesis import synthesize
+
+__all__ = ["BRIEF", "EVEN", "GRIDS", "ODD", "PRIME", "SEA", "SHELLS", "Cube", "pair", "polar", "sea", "waves"]
+
+SEA = Grid((50, 44, 80), (0.63, 0.68, 0.78))
+"""Five peak wavelengths by ten periods, a tenth of a wavelength and an eighth of a period apart."""
+BRIEF = Grid((46, 42, 52), (0.62, 0.71, 0.43))
+"""Three and a half periods: the frequency bins are wide, and so are the currents that an optimiser finds from rest."""
+EVEN = Grid((28, 34, 96), (0.9, 0.7, 0.6))
+ODD = Grid((27, 35, 99), (0.93, 0.68, 0.58))
+PRIME = Grid((31, 29, 97), (0.77, 0.87, 0.61))
+GRIDS = {"even": EVEN, "odd": ODD, "prime": PRIME}
+"""For aligned waves: long, so that the frequency bins are narrow."""
+SHELLS = (1.25, 1.5, 1.8, 2.15)
+"""Wavenumbers at which seas are judged: above the peak, their shells well below Nyquist."""
+
+
+@dataclass(frozen=True, eq=False)
+class Cube:
+    """A surface and what is known of it, in scaled units: its waves and current, and `wavenumbers` (n,) to ask for."""
+
+    components: Components
+    grid: Grid
+    wavenumbers: FloatArray
+    current: Current
+
+    @cached_property
+    def surface(self) -> FloatArray:
+        """eta[x, y, t], read-only."""
+        eta = synthesize(self.components, *(self.grid.samples(axis) for axis in range(3)))
+        eta.flags.writeable = False
+        return eta
+
+    @property
+    def spacing(self) -> tuple[float, float, float]:
+        """dx, dy, dt."""
+        return self.grid.spacing
+
+    @property
+    def truth(self) -> FloatArray:
+        """The Doppler shift velocity of the current at each wavenumber, (n, 2) (eq:SJ)."""
+        return self.current.doppler_shift_velocity(self.wavenumbers)
+
+    @property
+    def resolutions(self) -> FloatArray:
+        """The smaller and the larger of the two of eq:dcdwk at each wavenumber, (2, n)."""
+        return np.sort(velocity_resolutions(self.wavenumbers, self.grid.wavenumber_resolution,
+                                            self.grid.frequency_resolution), axis=0)
+
+
+def polar(speed: float, direction: float) -> tuple[float, float]:
+    """A velocity of that speed going to `direction` in degrees."""
+    return float(speed * np.cos(np.radians(direction))), float(speed * np.sin(np.radians(direction)))
+
+
+@lru_cache(maxsize=64)
+def sea(direction: float, spread: float, current: Current | None = None, *, realization: int = 0,
+        peakedness: float = 3.3, grid: Grid = SEA, wavenumbers: tuple[float, ...] = SHELLS) -> Cube:
+    """A JONSWAP sea on a current."""
+    current = current or UniformCurrent()
+    state = SeaState(direction, spread, peakedness, float(min(grid.lengths[:2])) / (2 * np.pi), current)
+    return Cube(state.components(realization), grid, np.array(wavenumbers), current)
+
+
+@lru_cache(maxsize=64)
+def pair(grid: Grid, first: tuple[int, int], second: tuple[int, int], near: tuple[float, float]) -> Cube:
+    """Two waves exactly on bins (i, j), at the frequency bins that a current closest to `near` puts them on.
+
+    Asked for half-way between their wavenumbers. Their current is exact, and not quite `near`.
+    """
+    k = np.array([first, second]) * grid.bin_widths[:2]
+    size = np.hypot(*k.T)
+    m = np.rint((intrinsic_frequency(size) + k @ np.asarray(near)) / grid.frequency_resolution).astype(int)
+    components, current = aligned_waves(grid, [(*first, int(m[0])), (*second, int(m[1]))])
+    return Cube(components, grid, np.array([size.mean()]), UniformCurrent((float(current[0]), float(current[1]))))
+
+
+def waves(grid: Grid, kx: FloatArray, ky: FloatArray, wavenumbers: tuple[float, ...], current: Current | None = None,
+          amplitude: FloatArray | float = 1.0) -> Cube:
+    """Waves at any wavenumbers (n,) on a current; phases scattered evenly."""
+    current = current or UniformCurrent()
+    size = np.hypot(kx, ky)
+    shift = current.doppler_shift_velocity(size)
+    omega = intrinsic_frequency(size) + kx * shift[:, 0] + ky * shift[:, 1]
+    phase = 2 * np.pi * (np.arange(kx.size) * np.sqrt(5.0) % 1)
+    return Cube(Components(kx, ky, omega, np.broadcast_to(amplitude, kx.shape), phase), grid, np.array(wavenumbers),
+                current)

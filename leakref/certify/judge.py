@@ -1,0 +1,70 @@
+"""Running the checks over an implementation, in several processes of it at once, to a certificate."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import AbstractContextManager
+from queue import Empty, SimpleQueue
+from time import perf_counter
+
+from leakref._base import LeakrefError
+from leakref.certify.certificate import Certificate, Known
+from leakref.certify.registry import Case, Check, chosen, judged
+from leakref.certify.subject import Subject
+from leakref.certify.verdict import Finding
+
+__all__ = ["certify"]
+
+Pair = tuple[Check, Case]
+
+
+def certify(target: str, subjects: Sequence[AbstractContextManager[Subject]], checks: Sequence[Pair], *, profile: str,
+            golden: int = 1, known: Mapping[str, Known] | None = None,
+            after_each: Callable[[Finding], object] = lambda finding: None) -> Certificate:
+    """Run `checks` over an implementation and say what they amount to.
+
+    `subjects` are as many independent sessions with it as shall work side by side. The findings are in the order of
+    the checks, whichever session made them. Raises LeakrefError for a known failure that is no check's id.
+    """
+    known = dict(known or {})
+    ids = {identifier for check, _ in chosen() for identifier, _ in check.ids()}
+    if unknown := sorted(set(known) - ids):
+        raise LeakrefError("certify", f"the known failure {unknown[0]!r} is none of the {len(ids)} there are",
+                           "correct the id; `leakref certify --list` prints all")
+    start = perf_counter()
+    waiting: SimpleQueue[int] = SimpleQueue()
+    for number in range(len(checks)):
+        waiting.put(number)
+    found: dict[int, Finding] = {}
+
+    def work(subject: Subject) -> None:
+        for number in _taken(waiting):
+            found[number], = judged([checks[number]], subject, after_each)
+
+    def open_and_work(session: AbstractContextManager[Subject]) -> None:
+        with session as subject:
+            work(subject)
+
+    first, *others = subjects
+    with first as subject, ThreadPoolExecutor(max(1, len(others))) as threads:
+        try:
+            beside = [threads.submit(open_and_work, session) for session in others]
+            work(subject)
+            for done in beside:
+                done.result()
+        except BaseException:
+            deque(_taken(waiting), maxlen=0)  # the others stop after what they are at
+            raise
+    findings = [found[number] for number in range(len(checks))]
+    return Certificate(target, profile, f"v{golden}", subject.declaration.record(), findings, known,
+                       seconds=perf_counter() - start)
+
+
+def _taken(waiting: SimpleQueue[int]) -> Iterator[int]:
+    while True:
+        try:
+            yield waiting.get_nowait()
+        except Empty:
+            return

@@ -1,0 +1,100 @@
+"""What the checks have in common: which windows and methods to ask for, and what is near enough."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+import numpy.typing as npt
+
+from leakref._base import FloatArray
+from leakref.certify.cubes import Cube
+from leakref.certify.expected import score
+from leakref.certify.registry import Outcome
+from leakref.certify.subject import Subject
+from leakref.certify.verdict import Unanswered, Verdict
+
+__all__ = ["EXACT", "FLATTER", "NEVER", "ask", "bare", "each_method", "exactly", "taper", "vector", "verdict", "worst"]
+
+EXACT = 2e-4
+"""In c0: how near an optimiser at default tolerances comes to what is exact; three times what they were seen to miss."""
+FLATTER = 1e-6
+"""Relative: a velocity whose score is this near the best one is as good as it; 1.4e-3 c0 at unit curvature."""
+NEVER = 1e6
+"""The effect over tolerance of what is either right or wrong."""
+
+
+def taper(subject: Subject) -> str:
+    """The window for tapered cubes: Hann if it is offered, else any but the box. Raises Unanswered."""
+    offered = [name for name in subject.declaration.windows if name != "box"]
+    if not offered:
+        raise Unanswered(Verdict.UNSUPPORTED, "offers no window that tapers")
+    return "hann" if "hann" in offered else offered[0]
+
+
+def bare(subject: Subject) -> str:
+    """The box, or Unanswered."""
+    if "box" not in subject.declaration.windows:
+        raise Unanswered(Verdict.UNSUPPORTED, "always tapers, and this holds for untapered cubes only")
+    return "box"
+
+
+def worst(outcomes: Mapping[str, Outcome]) -> Outcome:
+    """The outcome furthest beyond its tolerance; with several, the message says whose it is and `figures` hold all."""
+    name = max(outcomes, key=lambda key: np.inf if np.isnan(outcomes[key].over) else outcomes[key].over)
+    bad = outcomes[name]
+    if len(outcomes) == 1:
+        return bad
+    figures = {key: dict(outcome.figures) for key, outcome in outcomes.items()}
+    digits = [outcome.digits for outcome in outcomes.values() if outcome.digits is not None]
+    return Outcome(bad.over, f"{name}: {bad.message}", min(digits, default=None), figures)
+
+
+def each_method(subject: Subject, judge: Callable[[str], Outcome], without: tuple[str, ...] = ()) -> Outcome:
+    """The worst outcome of all methods that are offered, but for those that the check is not about."""
+    methods = [method for method in subject.declaration.methods if method not in without]
+    if not methods:
+        raise Unanswered(Verdict.UNSUPPORTED, f"offers no method but {', '.join(subject.declaration.methods)}, "
+                                              "which this does not hold for")
+    return worst({method: judge(method) for method in methods})
+
+
+def ask(subject: Subject, cube: Cube, window: str, method: str) -> tuple[FloatArray, npt.NDArray[np.bool_]]:
+    """Velocities (n, 2) of a cube at its wavenumbers, and which of them were answered (n,)."""
+    found = subject.extract(cube.surface, cube.spacing, cube.wavenumbers, window=window, method=method)
+    there = ~found.declined
+    if not there.any():
+        raise Unanswered(Verdict.MISSING, f"has no answer at k = {vector(cube.wavenumbers)}")
+    return found.values, there
+
+
+def exactly(subject: Subject, cube: Cube, window: str, method: str, found: FloatArray, should: FloatArray) -> FloatArray:
+    """Effect over tolerance at each wavenumber, (n,), of velocities (n, 2) that are known exactly.
+
+    `EXACT`, or for the NSP a score within `FLATTER` of that of the exact velocity, whichever is kinder. A method the
+    reference does not have, or one velocity for the whole band, may be off by the smaller resolution.
+    """
+    error = np.hypot(*(found - should).T)
+    if method not in ("nsp", "ls") or subject.declaration.band:
+        return error / cube.resolutions[0]
+    over = error / EXACT
+    if method == "nsp":
+        for n in np.flatnonzero(over > 1):
+            best, own = (score(cube, window, float(cube.wavenumbers[n]), c[n]) for c in (should, found))
+            over[n] = min(over[n], (1 - own / best) / FLATTER)
+    return over
+
+
+def vector(values: FloatArray) -> str:
+    """(0.12, -0.3) in words."""
+    return "(" + ", ".join(f"{v:.4g}" for v in np.asarray(values).ravel()) + ")"
+
+
+def verdict(over: FloatArray, cube: Cube, found: FloatArray, should: FloatArray, **figures: object) -> Outcome:
+    """The worst of several wavenumbers: `over` (n,), NaN where there is nothing to judge."""
+    n = int(np.nanargmax(over))
+    error = np.hypot(*(found - should).T)
+    return Outcome(float(over[n]), f"at k = {cube.wavenumbers[n]:.4g} got {vector(found[n])}, should be "
+                   f"{vector(should[n])}: {error[n]:.2g} c0 off, {over[n]:.2g} times what is allowed",
+                   figures={"wavenumbers": cube.wavenumbers.tolist(), "velocities": found.tolist(),
+                            "should_be": should.tolist(), "over": over.tolist(), **figures})

@@ -1,0 +1,223 @@
+"""An implementation in another process: the loop of protocol 1 (CONTRACT.md, section 2), with limits."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+import numpy as np
+
+from leakref._base import LeakrefError
+from leakref.certify.child import Breach, Child, printable
+from leakref.certify.declaration import Declaration
+from leakref.certify.exchange import Exchange
+from leakref.certify.subject import Subject
+from leakref.certify.verdict import Unanswered, Verdict
+from leakref.grid import Grid
+from leakref.sea import aligned_waves
+from leakref.synthesis import synthesize
+
+__all__ = ["FORMATS", "PROTOCOL", "STRIKES", "HarnessBroken", "Limits", "ProcessSubject"]
+
+PROTOCOL = 1
+FORMATS = ("mat", "npz", "raw")
+STRIKES = 3
+"""Breaches in a row after which nothing more is asked."""
+_OUTPUTS = {"spectrum": "S", "synthesize": "eta", "window": "w"}
+
+
+class HarnessBroken(LeakrefError):
+    """Nothing can be judged: the program does not get as far as answering a first, small question."""
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Seconds to `start` and to `run`, and bytes of resident `memory` of the program with all it has started."""
+
+    start: float = 30.0
+    run: float = 120.0
+    memory: float = 8 * 2.0**30
+
+
+class ProcessSubject(Subject):
+    """A program that speaks protocol 1, as a context: started and tried out on entry, ended on exit with all it left.
+
+    `command` is its argument list, `folder` where it runs (default: here), `keep` a folder in which the files
+    exchanged stay. On entry LeakrefError if it cannot be started or refuses, HarnessBroken if it does not answer.
+    What it changes in the exchange folder, other than its output, is added to `violations`.
+    """
+
+    def __init__(self, command: Sequence[str], *, limits: Limits | None = None, keep: Path | None = None,
+                 folder: Path | None = None) -> None:
+        super().__init__(Declaration())
+        self.command, self.limits, self.keep, self.folder = list(command), limits or Limits(), keep, folder
+        self._child: Child | None = None
+        self._run = self._strikes = 0
+        self._asking = False
+        self._last = ""
+
+    def __enter__(self) -> Self:
+        self._exchange = Exchange(self.keep)
+        try:
+            try:
+                self.declaration = self._start()
+                self._try_out()
+            except Unanswered as nothing:
+                raise HarnessBroken("certify", f"the program does not answer: {nothing.message}",
+                                    "see that it speaks protocol 1; `leakref scaffold` writes one that does") from None
+        except BaseException:
+            self.close()
+            raise
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None,
+                 trace: TracebackType | None) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """End the program and all it has started; remove what was exchanged."""
+        try:
+            if self._child and not self._asking:
+                self._child.stop()
+        finally:
+            self._end()
+            self._exchange.close()
+
+    # ------------------------------------------------------------ starting
+
+    def _start(self) -> Declaration:
+        """Start the program: what it declares. Raises Breach, or LeakrefError where it refuses to start."""
+        self._child = Child(self.command, self.folder, str(self._exchange.folder))
+        self._asking = True
+        self._child.send({"op": "start", "protocol": PROTOCOL, "formats": FORMATS})
+        ready = self._child.receive(self.limits.start, self.limits.memory)
+        self._asking = False
+        if ready.get("op") == "failed":
+            raise LeakrefError("certify", printable(ready.get("fault", ready.get("message", "it failed")), 1000),
+                               printable(ready.get("remedy", "see that it can be started")))
+        if ready.get("op") != "ready" or ready.get("protocol") != PROTOCOL:
+            raise Breach(Verdict.ERROR, f'said {printable(ready)} when it was started, should be "op": "ready" and '
+                                        f'"protocol": {PROTOCOL}')
+        given = {name: value for name, value in ready.items() if name not in ("op", "protocol")}
+        given |= {name: printable(given[name], 120) for name in ("name", "version") if name in given}
+        try:
+            return Declaration.read(given)
+        except (TypeError, ValueError) as error:
+            raise Breach(Verdict.ERROR, f"declares what makes no sense ({printable(error)})") from None
+
+    def _running(self) -> Child:
+        """The program, started again if it was ended."""
+        if self._child is None and self._start() != self.declaration:
+            raise Breach(Verdict.ERROR, "declared something else when it was started again")
+        assert self._child
+        if said := self._child.unasked():
+            raise Breach(Verdict.ERROR, f"answered twice or without being asked: {printable(said[0])}")
+        return self._child
+
+    def _try_out(self) -> None:
+        """Ask one small question, of a 16 x 12 x 10 cube. Raises Unanswered only where there is no proper answer."""
+        grid = Grid((16, 12, 10), (0.9, 1.1, 0.8))
+        waves, _ = aligned_waves(grid, [(3, 1, 2), (1, 2, 2)])
+        axes = [grid.samples(axis) for axis in range(3)]
+        declared = self.declaration
+        try:
+            if "extract" in declared.can:
+                self.extract(synthesize(waves, *axes), grid.spacing, [1.2], window=declared.windows[0])
+            elif "spectrum" in declared.can:
+                self.spectrum(synthesize(waves, *axes), grid.spacing, _first(declared, "spectrum", "windows"))
+            elif "synthesize" in declared.can:
+                self.synthesize(waves, *axes)
+            else:
+                self.window(_first(declared, "window", "names"), 16)
+        except Unanswered as nothing:
+            if nothing.verdict in (Verdict.ERROR, Verdict.TIMEOUT):
+                raise
+
+    # ------------------------------------------------------------ one run
+
+    def _work(self, stage: str, arrays: dict[str, Any], parameters: dict[str, Any]) -> Mapping[str, Any]:
+        if self._strikes >= STRIKES:
+            raise Unanswered(Verdict.ERROR, f"is not asked any more after {STRIKES} breaches in a row, the last of "
+                                            f"which was that it {self._last}")
+        self._run += 1
+        given, output = self._exchange.give(self._run, self.declaration.format, arrays)
+        shape = self._shape(stage, arrays, parameters)
+        if self.declaration.format == "raw":
+            shapes = {name: np.shape(value) for name, value in arrays.items()}
+            parameters = {**parameters, "shapes": shapes | ({_OUTPUTS[stage]: shape} if shape else {})}
+        request = {"op": "run", "id": self._run, "stage": stage, "input": str(given), "output": str(output),
+                   "parameters": parameters}
+        try:
+            self._exchange.note("request.json", request)
+            answer = self._asked(request)
+            self._exchange.note("answer.json", answer)
+            if shape:
+                return {_OUTPUTS[stage]: self._exchange.take(_OUTPUTS[stage], shape)}
+            return _checked(answer)
+        except Breach as breach:
+            words = self._child.words() if self._child else ""
+            self._end()
+            self._strikes += 1
+            self._last = breach.message
+            raise Unanswered(breach.verdict, breach.message + f"; its last words: {words}" * bool(words)) from None
+        finally:
+            self.violations += [f"{stage} {change}" for change in self._exchange.changes()]
+            self._exchange.clear()
+
+    def _asked(self, request: Mapping[str, Any]) -> dict[str, Any]:
+        """The answer to a request, of status ok. Raises Unanswered for the others, Breach if it is none."""
+        child = self._running()
+        self._asking = True
+        child.send(request)
+        answer = child.receive(self.limits.run, self.limits.memory)
+        self._asking = False
+        number = answer.get("id")
+        if isinstance(number, bool) or number != request["id"]:
+            raise Breach(Verdict.ERROR, f"answered {printable(answer)} to the request with id {request['id']}")
+        if more := child.unasked():
+            raise Breach(Verdict.ERROR, f"answered twice: after the answer came {printable(more[0])}")
+        if answer.get("output", request["output"]) != request["output"]:
+            raise Breach(Verdict.ERROR, f"answered with the output {printable(answer['output'])}, should be the path "
+                                        "it was given")
+        self._strikes = 0
+        altered = answer.get("altered")
+        self.violations += [f"{request['stage']} altered its input {printable(name, 40)}"
+                            for name in (altered[:9] if isinstance(altered, list) else ())]
+        status, message = answer.get("status"), printable(answer.get("message") or "it does not say why")
+        if status == "unsupported":
+            raise Unanswered(Verdict.UNSUPPORTED, message)
+        if status != "ok":
+            raise Unanswered(Verdict.ERROR, message if status == "error" else f"answered with the status "
+                             f"{printable(status)!r}, should be ok, unsupported or error")
+        return answer
+
+    def _shape(self, stage: str, arrays: Mapping[str, Any], parameters: Mapping[str, Any]) -> tuple[int, ...]:
+        """Of the output: none for `extract`, whose answer is on the line."""
+        if stage == "spectrum":
+            return tuple(np.shape(arrays["eta"]))
+        if stage == "synthesize":
+            return tuple(np.size(arrays[axis]) for axis in self.declaration.axes)
+        return (int(parameters["size"]),) if stage == "window" else ()
+
+    def _end(self) -> None:
+        if self._child:
+            self._child.kill()
+        self._child, self._asking = None, False
+
+
+def _first(declared: Declaration, stage: str, names: str) -> str:
+    return str(next(iter(declared.can[stage].get(names, ())), "hann"))
+
+
+def _checked(answer: Mapping[str, Any]) -> dict[str, Any]:
+    """The part of an answer to `extract` that a Subject reads, with wavenumbers that are numbers if there are any."""
+    found = {name: answer[name] for name in ("velocities", "wavenumbers") if answer.get(name) is not None}
+    at = found.get("wavenumbers", [1.0])
+    if not isinstance(at, list) or not at or not all(
+            isinstance(k, int | float) and not isinstance(k, bool) and math.isfinite(k) for k in at):
+        raise Unanswered(Verdict.FAIL, f"wavenumbers are {printable(at, 80)}, should be a list of numbers")
+    return found

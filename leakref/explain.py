@@ -1,0 +1,150 @@
+"""`leakref explain ID`: a check, a fault, a variant, a claim, a decision or a golden value, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from difflib import get_close_matches
+from typing import Any
+
+from rich.console import Console
+from rich.markup import escape
+
+from leakref._base import LeakrefError
+from leakref._output import dump, envelope
+
+__all__ = ["explained", "run"]
+
+Explanation = dict[str, Any]
+
+
+def run(identifier: str, *, json: bool = False) -> bool:
+    """Print what `identifier` stands for. Raises LeakrefError, naming those that come close."""
+    found = explained(identifier)
+    if json:
+        print(dump(envelope("explain", True, **found)))
+        return True
+    show = Console()
+    show.print(f"[bold]{escape(str(found['id']))}[/], {found['kind']}")
+    for name, value in found.items():
+        if name in ("id", "kind") or value in (None, "", [], {}):
+            continue
+        show.print(f"[dim]{name.replace('_', ' ')}:[/] {escape(_text(value))}", soft_wrap=True)
+    return True
+
+
+def explained(identifier: str) -> Explanation:
+    """`id`, `kind` and what there is to say, by name, of whatever is called `identifier`."""
+    for look in (_check, _family, _fault, _variant, _claim, _decision, _golden):
+        found = look(identifier)
+        if found is not None:
+            return found
+    near = get_close_matches(identifier, list(_names()), 4, 0.5)
+    raise LeakrefError("explain", f"nothing is called {identifier!r}",
+                       f"did you mean {', '.join(near)}?" if near else "ids are those of checks, faults, variants, "
+                       "claims (A4), decisions (D4) and golden values")
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, dict):
+        return ", ".join(f"{name} = {_text(item)}" for name, item in value.items())
+    return ", ".join(map(_text, value)) if isinstance(value, list | tuple) else str(value)
+
+
+def _names() -> Iterator[str]:
+    from leakref.certify.faults import FAULTS
+    from leakref.certify.registry import FAMILIES, chosen
+    from leakref.certify.variants import VARIANTS
+    from leakref.claims import CLAIMS
+    from leakref.decisions import DECISIONS
+
+    yield from (c.id for c, _ in chosen())
+    for register in (FAMILIES, FAULTS, VARIANTS, CLAIMS, DECISIONS):
+        yield from register
+
+
+def _check(identifier: str) -> Explanation | None:
+    from leakref.certify.registry import chosen
+
+    name, _, rest = identifier.partition("[")
+    matches = [(c, case) for c, case in chosen() if c.id == name and (not rest or f"[{case.id}]" == f"[{rest}")]
+    if not matches:
+        return None
+    c, case = matches[0]
+    one = {"case": {"id": case.id, **case.given}, "profile": "quick" if case.quick else "full"} if rest else {
+        "cases": [case.id for _, case in matches]}
+    target = f"'{c.id}[{case.id}]'" if rest else c.id
+    return {"id": identifier, "kind": "a check", "family": c.family, "reason": c.reason, "equation": c.label,
+            "stage": c.stage, "tolerance": c.tolerance, **one, "faults": _killed_by(c.id),
+            "repro": f"leakref certify TARGET --only {target} --keep FOLDER"}
+
+
+def _killed_by(check: str) -> list[str]:
+    """Faults whose witness is this check."""
+    from leakref.certify.faults import FAULTS
+
+    return [fault.id for fault in FAULTS.values() if fault.witness.partition("[")[0] == check]
+
+
+def _family(identifier: str) -> Explanation | None:
+    from leakref.certify.registry import FAMILIES, chosen
+
+    if identifier not in FAMILIES:
+        return None
+    checks = dict.fromkeys(c.id for c, _ in chosen([identifier]))
+    return {"id": identifier, "kind": "a family of checks", "about": FAMILIES[identifier], "checks": list(checks)}
+
+
+def _fault(identifier: str) -> Explanation | None:
+    from leakref.certify.faults import FAULTS
+
+    fault = FAULTS.get(identifier.removeprefix("fault:"))
+    if fault is None:
+        return None
+    return {"id": fault.id, "kind": "a fault", "what_is_wrong": fault.words, "stage": fault.stage,
+            "meant_for": fault.family, "witness": fault.witness,
+            "changes": [f"{c.room}: {c.old!r} becomes {c.new!r}" for c in fault.changes],
+            "try": f"leakref certify fault:{fault.id}"}
+
+
+def _variant(identifier: str) -> Explanation | None:
+    from leakref.certify.variants import VARIANTS
+
+    variant = VARIANTS.get(identifier.removeprefix("variant:"))
+    if variant is None:
+        return None
+    return {"id": variant.id, "kind": "a correct variant, which must not be rejected", "words": variant.words,
+            "grade": variant.grade, "try": f"leakref certify variant:{variant.id}"}
+
+
+def _claim(identifier: str) -> Explanation | None:
+    from leakref.claims import CLAIMS
+
+    claim = CLAIMS.get(identifier)
+    if claim is None:
+        return None
+    return {"id": claim.id, "kind": "a claim of the paper", "claim": claim.words, "label": claim.label,
+            "tested": claim.test, "evaluate": f"leakref claims {claim.id}"}
+
+
+def _decision(identifier: str) -> Explanation | None:
+    from leakref.decisions import DECISIONS
+
+    decision = DECISIONS.get(identifier)
+    if decision is None:
+        return None
+    return {"id": decision.id, "kind": "a decision", "question": decision.question, "reference": decision.reference,
+            "where": f"leakref.{decision.where}"}
+
+
+def _golden(identifier: str) -> Explanation | None:
+    from leakref.golden import Golden
+
+    try:
+        entry = Golden().entry(identifier)
+    except LeakrefError:
+        return None
+    record = entry.record
+    kept: Callable[[str], Any] = record.get
+    return {"id": entry.id, "kind": "a golden value", "stage": entry.stage, "there_for": kept("purpose"),
+            "equation": kept("equation"), "difficulty": kept("difficulty"), "decisions": kept("decisions"),
+            "file": f"golden/v1/{entry.file}", "outputs": list(entry.output)}
