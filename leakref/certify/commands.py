@@ -153,10 +153,11 @@ def _summary(found: Certificate) -> Table:
 def _sentence(found: Certificate) -> str:
     """The grade in words."""
     n = len(found.judged)
+    wrong = f"{len(found.wrong)} of {n} findings are wrong" if found.wrong else "it gave no numbers for a whole family"
     words = {"conformant": f"[green bold]conformant[/]: reproduces the reference chain in all {n} findings.",
              "sound": f"[green bold]sound[/]: another algorithm than the reference, and right wherever any algorithm "
                       f"must be ({n} findings judged).",
-             "rejected": f"[red bold]rejected[/]: {len(found.wrong)} of {n} findings are wrong."}
+             "rejected": f"[red bold]rejected[/]: {wrong}."}
     if found.grade is None:
         return "[red bold]not judged[/]: nothing that was asked is offered."
     return f"{words[found.grade]} Golden set {found.golden}, {found.profile} profile, {found.seconds:.0f} s."

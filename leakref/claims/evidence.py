@@ -30,7 +30,7 @@ from leakref.synthesis import synthesize
 from leakref.window import Window
 from leakref.window import window as named_window
 
-__all__ = ["PLAIN", "RESAMPLED", "Evidence", "Setting", "peak_waves"]
+__all__ = ["PLAIN", "RESAMPLED", "Evidence", "Setting", "peak_waves", "resampled"]
 
 RESAMPLED = 5
 """Realisations whose images are resampled: they go through the surface and its FFT, which takes half a minute each."""
@@ -119,7 +119,7 @@ def _special(configuration: Configuration, realization: int, setting: Setting, f
 def _computed(configuration: Configuration, realization: int, setting: Setting) -> FloatArray:
     k, windows = configuration.wavenumbers, configuration.windows
     if setting.resampled:
-        return _resampled(configuration, realization)
+        return resampled(configuration, realization)
     waves = configuration.components(realization)
     if setting.without_peak:
         rest = ~peak_waves(waves)
@@ -129,7 +129,7 @@ def _computed(configuration: Configuration, realization: int, setting: Setting) 
     return np.array([[found[window, method].velocities for method in METHODS] for window in windows])
 
 
-def _resampled(configuration: Configuration, realization: int) -> FloatArray:
+def resampled(configuration: Configuration, realization: int) -> FloatArray:
     """Every image turned by cubic splines about the centre of the domain.
 
     The camera first sees a larger square, so that what is cut out after the turn has all its corners.

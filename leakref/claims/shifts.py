@@ -1,0 +1,256 @@
+"""How far the velocities move if a decision is taken otherwise, and what becomes of the claims."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import zipfile
+import zlib
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import Executor
+from dataclasses import asdict
+from functools import lru_cache, partial
+from itertools import product, repeat
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from leakref import fastspectra, leastsquares, runs
+from leakref._base import FloatArray
+from leakref._output import write_whole
+from leakref.cases import Configuration, configurations
+from leakref.claims.evidence import PLAIN, Evidence, Setting, peak_waves, resampled
+from leakref.claims.registry import Claim
+from leakref.claims.variants import CONFIGURATIONS, VARIANTS, Variant
+from leakref.claims.words import Sample, smaller
+from leakref.ensemble import Ensemble
+from leakref.window import window as named_window
+
+__all__ = ["MOVED", "Altered", "NotCovered", "Shifts", "moving", "rejudged", "study", "summary", "velocities"]
+
+MOVED = 1e-9
+"""In c0: by more than this a shell has moved; less is rounding."""
+_SHARE = 0.1  # of the smaller resolution: a variant that moves a velocity by more may change a claim
+
+
+@lru_cache(maxsize=4)
+def _spectra(configuration: Configuration, realization: int, windows: tuple[str, ...],
+             radius: float) -> dict[str, FloatArray]:
+    return fastspectra.magnitudes(configuration.components(realization), configuration.grid,
+                                  [named_window(name) for name in windows], fastspectra.Disc(configuration.grid, radius))
+
+
+def velocities(variant: Variant, configuration: Configuration, realization: int, setting: Setting = PLAIN) -> FloatArray:
+    """Of one realisation by the altered chain, (w, m, n, 2), NaN where there is none: its windows, methods, and the
+    configuration's wavenumbers. Spectra that a variant leaves alone are made once for all of them."""
+    windows = tuple(name for name in configuration.windows if name in variant.windows)
+    if variant.setting.resampled:
+        return resampled(configuration, realization)
+    chain = variant.chain
+    own = chain.cases.Configuration(**asdict(configuration))
+    waves = own.components(realization)
+    chain.fast.magnitudes = chain.fastspectra.magnitudes
+    if setting.without_peak:
+        rest = ~peak_waves(waves)
+        waves = chain.sea.Components(*(getattr(waves, name)[rest] for name in waves.__dataclass_fields__))
+    elif variant.leaves_spectra:
+        chain.fast.magnitudes = lambda waves, grid, tapers, disc: _spectra(
+            configuration, realization, tuple(taper.name for taper in tapers), disc.radius)
+    own_threshold = setting.threshold == leastsquares.THRESHOLD
+    found = chain.fast.realize(
+        waves, own.grid, own.wavenumbers, windows=windows, methods=variant.methods, width=setting.width,
+        threshold=chain.leastsquares.THRESHOLD if own_threshold else setting.threshold, search=False)
+    result = np.full((len(windows), len(variant.methods), configuration.wavenumbers.size, 2), np.nan)
+    at = np.rint((own.wavenumbers - configuration.wavenumbers[0]) / own.grid.wavenumber_resolution).astype(int)
+    for (w, window), (m, method) in product(enumerate(windows), enumerate(variant.methods)):
+        result[w, m, at] = found[window, method].velocities
+    return result
+
+
+def _path(variant: Variant, configuration: Configuration, realization: int, setting: Setting, folder: Path) -> Path:
+    chain = [asdict(change) for change in (*variant.changes, *variant.fast)]
+    key = json.dumps([chain, variant.methods, variant.windows, asdict(variant.setting), asdict(configuration),
+                      asdict(setting), runs.source_digest()], sort_keys=True)
+    return folder / f"variant-{hashlib.sha256(key.encode()).hexdigest()[:20]}" / f"{realization:05d}.npz"
+
+
+def _kept(variants: Sequence[Variant], configuration: Configuration, realization: int, setting: Setting,
+          folder: Path | None) -> list[FloatArray]:
+    """`velocities` of several variants, from the folder where they are there, and left there where they are not."""
+    found = []
+    for variant in variants:
+        path = None if folder is None else _path(variant, configuration, realization, setting, folder)
+        try:
+            if path is None:
+                raise FileNotFoundError
+            with path.open("rb") as stream, np.load(stream, allow_pickle=False) as kept:
+                found.append(kept["velocities"])
+        except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error):
+            with runs.one_thread():
+                one = velocities(variant, configuration, realization, setting)
+            if path is not None:
+                write_whole(path, partial(np.savez, velocities=one))
+            found.append(one)
+    return found
+
+
+def _turned_back(values: FloatArray, degrees: float) -> FloatArray:
+    """Velocities (..., 2) in the frame of the sea before it was rotated by so many degrees."""
+    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    return values @ np.array([[c, -s], [s, c]])
+
+
+class Shifts:
+    """How far one variant moves what one window and method give, shell by shell: against a reference Ensemble.
+
+    `moved` (R, n) is |c' - c| in c0, `share` the same over the smaller resolution, `flagged` (R, n) where the
+    reference has a note, `better` (R, n) the error |c' - U| less |c - U|.
+    """
+
+    def __init__(self, variant: Variant, reference: Ensemble, other: FloatArray) -> None:
+        angle, count = reference.configuration.rotation, len(other)
+        mine = _turned_back(reference.velocities[:count], angle)
+        theirs, truth = _turned_back(other, variant.sense * angle), _turned_back(reference.configuration.current, angle)
+        self.variant, self.reference, self.k = variant, reference, reference.wavenumbers
+        self.moved = np.hypot(*np.moveaxis(theirs - mine, -1, 0))
+        self.share = self.moved / smaller(reference)
+        self.flagged = reference.notes[:count] != 0
+        self.lost = np.isfinite(mine[..., 0]) & ~np.isfinite(theirs[..., 0])
+        error, before = (np.hypot(*np.moveaxis(values - truth, -1, 0)) for values in (theirs, mine))
+        self.better = Sample(self.k, np.where(np.isfinite(self.moved), error - before, np.nan))
+
+
+def _figures(value: float) -> float | None:
+    return float(f"{value:.3g}") if np.isfinite(value) else None
+
+
+def _spread(moved: FloatArray, share: FloatArray) -> dict[str, Any]:
+    """Median, 95th percentile and largest, in c0 and as a share of the smaller resolution."""
+    known = np.isfinite(moved)
+    if not known.any():
+        return {"shells": 0}
+    result: dict[str, Any] = {"shells": int(known.sum()), "moved": int((moved[known] > MOVED).sum())}
+    for name, values in (("c0", moved[known]), ("resolution", share[known])):
+        result[name] = {"median": _figures(np.median(values)), "p95": _figures(np.percentile(values, 95)),
+                        "largest": _figures(values.max())}
+    return result
+
+
+def summary(shifts: Sequence[Shifts], case: str) -> dict[str, Any]:
+    """A row of the table: shells without a note, those with one apart, numbers lost, and the change of the bias.
+
+    The bias is the mean of |c - U|; its change is the mean over shells, with the standard error over realisations.
+    """
+    first = shifts[0]
+    moved, share, flagged = (np.concatenate([getattr(s, name).ravel() for s in shifts])
+                             for name in ("moved", "share", "flagged"))
+    means = [s.better.over() for s in shifts if np.isfinite(s.better.values).all()]
+    row: dict[str, Any] = {"case": case, "window": first.reference.window, "method": first.reference.method,
+                           "realizations": len(first.moved), "unflagged": _spread(moved[~flagged], share[~flagged]),
+                           "flagged": _spread(moved[flagged], share[flagged]),
+                           "lost": int(sum(s.lost.sum() for s in shifts)), "bias_change": None}
+    if means:
+        error = np.sqrt(sum(float(m.error[0]) ** 2 for m in means)) / len(means)
+        row["bias_change"] = {"mean": _figures(np.mean([m.mean[0] for m in means])), "standard_error": _figures(error)}
+    return row
+
+
+def study(variants: Iterable[Variant] = VARIANTS.values(), ids: Sequence[str] = CONFIGURATIONS, *,
+          realizations: int = 20, folder: Path | None = None, executor: Executor | None = None,
+          after_each: Callable[[], object] = lambda: None) -> dict[str, list[list[Shifts]]]:
+    """For each variant, a list for each configuration on which it acts of the Shifts of each window and method.
+
+    Resumed from `folder`, which may be that of `leakref reproduce`; there the references are found too.
+    """
+    wanted, found = list(variants), {}
+    tasks = []
+    for configuration, number in product(configurations(ids), range(realizations)):
+        acting = [v for v in wanted if configuration.id in v.configurations and number < v.realizations]
+        tasks.append((acting, configuration, number, PLAIN, folder))
+    columns = list(zip(*tasks, strict=True))
+    results = map(_kept, *columns) if executor is None else executor.map(_kept, *columns)
+    for (acting, configuration, _, _, _), one in zip(tasks, results, strict=True):
+        for variant, values in zip(acting, one, strict=True):
+            found.setdefault((variant.id, configuration.id), []).append(values)
+        after_each()
+    whole: dict[str, list[list[Shifts]]] = {v.id: [] for v in wanted}
+    for ensembles in runs.run(configurations(ids), realizations=realizations, folder=folder, executor=executor):
+        own = {(e.window, e.method): e for e in ensembles}
+        for variant in wanted:
+            values = found.get((variant.id, ensembles[0].configuration.id))
+            if values is not None:
+                windows = [w for w in ensembles[0].configuration.windows if w in variant.windows]
+                whole[variant.id].append([Shifts(variant, own[window, method], np.array(values)[:, w, m])
+                                          for (w, window), (m, method) in product(enumerate(windows),
+                                                                                  enumerate(variant.methods))])
+    return whole
+
+
+def moving(found: dict[str, list[list[Shifts]]]) -> list[Variant]:
+    """The variants that move a velocity without a note by more than 10 % of the smaller resolution somewhere; of those
+    with other waves, whose velocities are others anyway, none."""
+    largest = {id: max((float(np.nanmax(np.where(s.flagged, 0, s.share), initial=0)) for one in cases for s in one),
+                       default=0.0) for id, cases in found.items()}
+    return [VARIANTS[id] for id, share in largest.items() if VARIANTS[id].paired and share > _SHARE]
+
+
+class NotCovered(LookupError):
+    """A claim asks for a configuration that was not to be computed."""
+
+
+class Altered(Evidence):
+    """Evidence by an altered chain (`variant` None: the reference); with `ids`, of those configurations only."""
+
+    def __init__(self, variant: Variant | None, realizations: int, folder: Path | None = None,
+                 executor: Executor | None = None, ids: Sequence[str] | None = None) -> None:
+        super().__init__(realizations, folder, executor)
+        self.variant, self.ids, self.asked, self._altered = variant, ids, 0, {}  # type: ignore[var-annotated]
+
+    def __call__(self, configuration: Configuration, window: str, method: str = "nsp",
+                 setting: Setting = PLAIN) -> Ensemble:
+        if self.ids is not None and configuration.id not in self.ids:
+            raise NotCovered(configuration.id)
+        self.asked += 1
+        before = super().__call__(configuration, window, method, setting)
+        v = self.variant
+        if v is None or setting.resampled or window not in v.windows or method not in v.methods:
+            return before
+        if (configuration, setting) not in self._altered:
+            given = (repeat([v]), repeat(configuration), range(self.realizations), repeat(setting), repeat(self.folder))
+            results = map(_kept, *given) if self.executor is None else self.executor.map(_kept, *given)
+            self._altered[configuration, setting] = np.array([one[0] for one in results])
+        w = [name for name in configuration.windows if name in v.windows].index(window)
+        values = self._altered[configuration, setting][:, w, v.methods.index(method)]
+        return Ensemble(configuration, window, method, before.wavenumbers, values, before.notes)
+
+    def seconds(self, configuration: Configuration) -> dict[str, FloatArray]:
+        """Timings are of a machine, not of a decision."""
+        raise NotCovered(configuration.id)
+
+
+def rejudged(variants: Sequence[Variant], claims: Sequence[Claim], *, realizations: int, folder: Path | None,
+             executor: Executor | None, ids: Sequence[str] | None) -> list[dict[str, Any]]:
+    """The claims under each variant, beside what the reference says with as many realisations.
+
+    A claim depends on a decision if a reading of it that held does not hold any more, or the reverse. Those that ask
+    for other configurations than `ids`, or for no velocities at all, are left out.
+    """
+    results = []
+    reference = Altered(None, realizations, folder, executor, ids)
+    for claim in claims:
+        try:
+            reference.asked = 0
+            before = claim.judge(reference)
+        except NotCovered:
+            continue
+        if not reference.asked:
+            continue
+        for variant in variants:
+            after = claim.judge(Altered(variant, realizations, folder, executor, ids))
+            flipped = [{"reading": a.words, "before": a.holds, "after": b.holds}
+                       for a, b in zip(before.readings, after.readings, strict=True) if {a.holds, b.holds} == {True, False}]
+            results.append({"id": claim.id, "decision": variant.decision, "variant": variant.id,
+                            "before": before.verdict, "verdict": after.verdict, "figure": after.readings[0].figure,
+                            "readings": len(before.readings), "flipped": flipped})
+    return results
