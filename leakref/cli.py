@@ -87,6 +87,7 @@ def certify(
     memory: Annotated[float, typer.Option(min=0.01, help="GiB that the program may hold.")] = 8.0,
     workers: Annotated[int, typer.Option(min=0, help="Sessions side by side; 0: one for each core.")] = 0,
     keep: Annotated[Path | None, typer.Option(help="Keep what is exchanged with the program in this folder.")] = None,
+    deep: Annotated[bool, typer.Option("--deep", help="Diagnosis: try pairs of faults as well (minutes).")] = False,
     listing: Annotated[bool, typer.Option("--list", help="Print the ids of all findings and stop.")] = False,
     schema: Annotated[bool, typer.Option("--schema", help="Print the certificate's JSON schema and stop.")] = False,
     json: Json = False,
@@ -103,7 +104,7 @@ def certify(
     if listing:
         return commands.show_list(profile, only or [], json=json)
     return commands.run(commands.Request(target, program, profile, only or [], report, known, golden, timeout, memory,
-                                         workers or os.cpu_count() or 1, keep), json=json)
+                                         workers or os.cpu_count() or 1, keep, deep), json=json)
 
 
 @command(JUDGE)
@@ -201,8 +202,14 @@ def reproduce(
 
 @command(PAPER)
 def claims(
-    ids: Annotated[list[str] | None, typer.Argument(help="Claims (A4) or groups of them (A); default: all.")] = None,
-    realizations: Annotated[int, typer.Option(min=2, help="How many of each configuration.")] = 100,
+    ids: Annotated[list[str] | None, typer.Argument(help="Claims (A4), groups of them (A), or with --decisions "
+                                                         "decisions (D4); default: all.")] = None,
+    decisions: Annotated[bool, typer.Option("--decisions", help="How far each decision moves the velocities, as kept "
+                                                                "in golden/; with --out or --full computed.")] = False,
+    full: Annotated[bool, typer.Option("--full", help="With --decisions: all claims judged under each variant that "
+                                                      "matters (an hour or more; goes on where it stopped).")] = False,
+    realizations: Annotated[int | None, typer.Option(min=2, help="How many of each configuration; default 100, with "
+                                                                 "--decisions 20.")] = None,
     place: Annotated[Path, typer.Option("--folder", help="Where realisations are kept, as by reproduce --out.")
                      ] = Path("leakref-results"),
     figures: Annotated[bool, typer.Option("--figures", help="A picture of each claim, in the folder.")] = False,
@@ -211,9 +218,18 @@ def claims(
     json: Json = False,
 ) -> bool:
     """The paper's statements: which are reproduced, which are not, which depend on how they are read."""
+    from leakref import LeakrefError
+
+    if full and not decisions:
+        raise LeakrefError("claims", "--full without --decisions", "add --decisions; without it all claims are judged")
+    if decisions:
+        from leakref.claims.decisionscommand import run as run_decisions
+
+        return run_decisions(ids or [], realizations=realizations or 20, place=place, figures=figures, out=out,
+                             workers=workers or os.cpu_count() or 1, full=full, json=json)
     from leakref.claims.command import run
 
-    return run(ids or [], realizations=realizations, place=place, figures=figures, out=out,
+    return run(ids or [], realizations=realizations or 100, place=place, figures=figures, out=out,
                workers=workers or os.cpu_count() or 1, json=json)
 
 

@@ -59,8 +59,8 @@ def read_known(path: Path) -> dict[str, Known]:
 class Certificate:
     """All findings of one run over a `target`, with its `declaration` as printed on it.
 
-    `known` are the failures that were said to be known; `diagnosis` names faults of the reference that reproduce the
-    failures, best first; `problems` are what ended the run early, if anything did.
+    `known` are the failures that were said to be known; `diagnosis` the faults of the reference that reproduce the
+    failures, best first, with an `explanation` in words; `departs_at` the first stage that goes its own way.
     """
 
     target: str
@@ -70,6 +70,8 @@ class Certificate:
     findings: Sequence[Finding]
     known: Mapping[str, Known] = field(default_factory=dict)
     diagnosis: Sequence[Mapping[str, Any]] = ()
+    explanation: str = ""
+    departs_at: str = ""
     seconds: float = 0.0
 
     @property
@@ -135,7 +137,8 @@ class Certificate:
         result: dict[str, Any] = plain(envelope(
             "certify", self.ok, target=self.target, grade=self.grade, profile=self.profile, golden=self.golden,
             declaration=self.declaration, counts=self.counts, seconds=round(self.seconds, 2),
-            findings=[f.record() for f in self.findings], diagnosis=list(self.diagnosis), known=known))
+            findings=[f.record() for f in self.findings], diagnosis=list(self.diagnosis),
+            explanation=self.explanation, departs_at=self.departs_at, known=known))
         return result
 
     def families(self) -> list[tuple[str, dict[str, int]]]:

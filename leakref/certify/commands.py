@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 from rich.console import Console
@@ -15,6 +16,7 @@ from leakref._base import LeakrefError
 from leakref._output import console, dump, folder, progress_bar, write_whole
 from leakref.certify.certificate import Certificate, junit, read_known, schema
 from leakref.certify.connect import HarnessBroken, Limits, connect
+from leakref.certify.diagnosis import departure, diagnose
 from leakref.certify.judge import certify
 from leakref.certify.registry import chosen
 from leakref.certify.verdict import Verdict
@@ -43,6 +45,7 @@ class Request:
     memory: float = 8.0
     workers: int = 2
     keep: Path | None = None
+    deep: bool = False
 
 
 def show_list(profile: str, only: Sequence[str], *, json: bool) -> int:
@@ -87,12 +90,23 @@ def run(request: Request, *, json: bool = False) -> int:
     except HarnessBroken as broken:
         console().print(f"[red]Could not judge:[/] {escape(str(broken))}", soft_wrap=True)
         return 3
-    _write(found, request.report)
+    found = _explained(found, request.deep)
+    written = _write(found, request.report)
     if json:
         print(dump(found.record()))
     else:
-        _print(found, request.report)
+        _print(found, written)
     return found.status
+
+
+def _explained(found: Certificate, deep: bool) -> Certificate:
+    """With a diagnosis, if anything fell short that was not known."""
+    if not found.wrong:
+        return found
+    with progress_bar("faults compared", 0) as step:
+        said = diagnose(found.wrong, deep=deep, after_each=step)
+    return replace(found, diagnosis=[one.record() for one in said.hypotheses], explanation=said.words,
+                   departs_at=departure(found.findings))
 
 
 def _split(command: str) -> list[str]:
@@ -105,15 +119,22 @@ def _split(command: str) -> list[str]:
     return words
 
 
-def _write(found: Certificate, report: Path | None) -> None:
+def _write(found: Certificate, report: Path | None) -> list[Path]:
+    """The certificate as a page, a badge, JSON and JUnit XML; the paths written."""
     if report is None:
-        return
-    text, suites = dump(found.record()) + "\n", junit(found)
-    write_whole(report / "certificate.json", lambda path: path.write_text(text, encoding="utf-8"))
-    write_whole(report / "junit.xml", lambda path: path.write_text(suites, encoding="utf-8"))
+        return []
+    from leakref.certify.report import badge, page
+
+    files = {"certificate.html": page(found), "certificate.json": dump(found.record()) + "\n",
+             "junit.xml": junit(found), "badge.svg": badge(found)}
+    return [write_whole(report / name, partial(_write_text, text)) for name, text in files.items()]
 
 
-def _print(found: Certificate, report: Path | None) -> None:
+def _write_text(text: str, path: Path) -> None:
+    path.write_text(text, encoding="utf-8", newline="\n")
+
+
+def _print(found: Certificate, written: Sequence[Path]) -> None:
     show = Console()
     show.print(_summary(found))
     for finding in found.wrong[:_SHOWN]:
@@ -128,9 +149,13 @@ def _print(found: Certificate, report: Path | None) -> None:
             show.print(f"[yellow]known[/] {escape(finding.id)}: {escape(known.reason)} ({escape(known.issue)})")
     for one in found.stale:
         show.print(f"[red]out of date[/] {escape(one.id)} is listed as a known failure and passes; take it off.")
+    if found.explanation:
+        show.print(f"[bold]Diagnosis:[/] {escape(found.explanation)}", soft_wrap=True)
+    if found.departs_at:
+        show.print(f"It departs from the reference at its {found.departs_at}.")
     show.print(_sentence(found), soft_wrap=True)
-    if report is not None:
-        show.print(f"Written: {report / 'certificate.json'}, {report / 'junit.xml'}", soft_wrap=True)
+    for path in written[:1]:
+        show.print(f"Page: {path}; beside it {', '.join(other.name for other in written[1:])}", soft_wrap=True)
 
 
 def _summary(found: Certificate) -> Table:
@@ -152,12 +177,9 @@ def _summary(found: Certificate) -> Table:
 
 def _sentence(found: Certificate) -> str:
     """The grade in words."""
-    n = len(found.judged)
-    wrong = f"{len(found.wrong)} of {n} findings are wrong" if found.wrong else "it gave no numbers for a whole family"
-    words = {"conformant": f"[green bold]conformant[/]: reproduces the reference chain in all {n} findings.",
-             "sound": f"[green bold]sound[/]: another algorithm than the reference, and right wherever any algorithm "
-                      f"must be ({n} findings judged).",
-             "rejected": f"[red bold]rejected[/]: {wrong}."}
-    if found.grade is None:
-        return "[red bold]not judged[/]: nothing that was asked is offered."
-    return f"{words[found.grade]} Golden set {found.golden}, {found.profile} profile, {found.seconds:.0f} s."
+    from leakref.certify.report import sentence
+
+    grade = found.grade or "not judged"
+    colour = "green" if found.ok else "red"
+    return (f"[{colour} bold]{grade}[/]: {sentence(found)} Golden set {found.golden}, {found.profile} profile, "
+            f"{found.seconds:.0f} s.")

@@ -16,7 +16,8 @@ from leakref.grid import Grid
 from leakref.sea import Components, SeaState, aligned_waves
 from leakref.synthesis import synthesize
 
-__all__ = ["BRIEF", "EVEN", "GRIDS", "ODD", "PRIME", "SEA", "SHELLS", "Cube", "pair", "polar", "sea", "waves"]
+__all__ = ["BRIEF", "EVEN", "GRIDS", "ODD", "PRIME", "SEA", "SHELLS", "Cube", "pair", "polar", "sea", "together",
+           "waves"]
 
 SEA = Grid((50, 44, 80), (0.63, 0.68, 0.78))
 """Five peak wavelengths by ten periods, a tenth of a wavelength and an eighth of a period apart."""
@@ -101,3 +102,9 @@ def waves(grid: Grid, kx: FloatArray, ky: FloatArray, wavenumbers: tuple[float, 
     phase = 2 * np.pi * (np.arange(kx.size) * np.sqrt(5.0) % 1)
     return Cube(Components(kx, ky, omega, np.broadcast_to(amplitude, kx.shape), phase), grid, np.array(wavenumbers),
                 current)
+
+
+def together(*seas: Components) -> Components:
+    """Waves of several seas in one."""
+    return Components(*(np.concatenate([getattr(waves, name) for waves in seas])
+                        for name in Components.__dataclass_fields__))

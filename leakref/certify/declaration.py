@@ -44,8 +44,15 @@ class Declaration:
                                             f"{', '.join(STAGES)}")
         if not all(isinstance(what, Mapping) for what in can.values()):
             raise Unanswered(Verdict.ERROR, f"declares can = {can!r}, should hold an object for each stage")
+        for stage, what in can.items():
+            for name in sorted({"methods", "windows", "names"} & set(what)):
+                if not _words(what[name]) or (name == "methods" and not what[name]):
+                    raise Unanswered(Verdict.ERROR, f"declares {name} = {what[name]!r} of {stage}, should be a list of "
+                                                    "names")
+        if (resolves := can.get("extract", {}).get("resolves", "band")) not in ("wavenumber", "band"):
+            raise Unanswered(Verdict.ERROR, f"declares resolves = {resolves!r}, should be wavenumber or band")
         fixed = known["fixed"]
-        if isinstance(fixed, str) or not all(isinstance(name, str) for name in fixed):
+        if not _words(fixed):
             raise Unanswered(Verdict.ERROR, f"declares fixed = {fixed!r}, should be a list of parameter names")
         return cls(**{name: str(known[name]) for name in (*_DEFAULT, "format")}, fixed=tuple(fixed), can=dict(can))
 
@@ -75,3 +82,8 @@ class Declaration:
         return {"name": self.name, "version": self.version, "units": self.units, "axes": self.axes, "y": self.y,
                 "direction": self.direction, "fixed": list(self.fixed),
                 "can": {stage: dict(what) for stage, what in self.can.items()}}
+
+
+def _words(given: Any) -> bool:
+    """Whether it is a list of names, maybe an empty one."""
+    return isinstance(given, list | tuple) and all(isinstance(name, str) for name in given)

@@ -29,7 +29,7 @@ Seen = tuple[int, str]
 
 
 class Exchange:
-    """A folder for each run, in a temporary one that only the user may enter; with `keep`, in a new one there that stays.
+    """A folder for each run, in a temporary one that only the user may enter, or in a new one in `keep` that stays.
 
     A run's input is one file, or for raw a folder with one for each array, read-only; its output likewise. Raises
     LeakrefError if nothing can be written to `keep`.

@@ -20,14 +20,14 @@ class InProcess(Subject):
     """A Python object or function called directly: for pytest and for the study of the suite, without limits."""
 
     def __init__(self, implementation: Any, name: str = "") -> None:
-        self.calls = offered(implementation)
+        self.functions = offered(implementation)
         given = dict(implementation.describe()) if hasattr(implementation, "describe") else {}
-        super().__init__(described(given, self.calls, name or _name(implementation)))
+        super().__init__(described(given, self.functions, name or _name(implementation)))
 
     def _work(self, stage: str, arrays: dict[str, Any], parameters: dict[str, Any]) -> Mapping[str, Any]:
         before = {name: np.array(value) for name, value in arrays.items()}
         try:
-            answer = call(self.calls[stage], stage, arrays, parameters)
+            answer = call(self.functions[stage], stage, arrays, parameters)
             self.violations += [f"{stage} altered its input {name}" for name, value in before.items()
                                 if not np.array_equal(value, arrays[name], equal_nan=True)]
             return answer

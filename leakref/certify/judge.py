@@ -13,7 +13,7 @@ from leakref._base import LeakrefError
 from leakref.certify.certificate import Certificate, Known
 from leakref.certify.registry import Case, Check, chosen, judged
 from leakref.certify.subject import Subject
-from leakref.certify.verdict import Finding
+from leakref.certify.verdict import Finding, Verdict
 
 __all__ = ["certify"]
 
@@ -43,8 +43,11 @@ def certify(target: str, subjects: Sequence[AbstractContextManager[Subject]], ch
         for number in _taken(waiting):
             found[number], = judged([checks[number]], subject, after_each)
 
+    opened: list[Subject] = []
+
     def open_and_work(session: AbstractContextManager[Subject]) -> None:
         with session as subject:
+            opened.append(subject)
             work(subject)
 
     first, *others = subjects
@@ -58,8 +61,16 @@ def certify(target: str, subjects: Sequence[AbstractContextManager[Subject]], ch
             deque(_taken(waiting), maxlen=0)  # the others stop after what they are at
             raise
     findings = [found[number] for number in range(len(checks))]
+    findings += _left_over([subject, *opened])
     return Certificate(target, profile, f"v{golden}", subject.declaration.record(), findings, known,
                        seconds=perf_counter() - start)
+
+
+def _left_over(subjects: Sequence[Subject]) -> list[Finding]:
+    """What an implementation did to its input in a session in which no check has looked for it since."""
+    done = list(dict.fromkeys(violation for subject in subjects for violation in subject.violations))
+    return [Finding("behaviour.input[whole-run]", "behaviour", Verdict.FAIL, "; ".join(done), label="protocol",
+                    repro="leakref certify TARGET --only behaviour --keep FOLDER")] if done else []
 
 
 def _taken(waiting: SimpleQueue[int]) -> Iterator[int]:

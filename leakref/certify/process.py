@@ -67,7 +67,7 @@ class ProcessSubject(Subject):
                 self.declaration = self._start()
                 self._try_out()
             except Unanswered as nothing:
-                raise HarnessBroken("certify", f"the program does not answer: {nothing.message}",
+                raise HarnessBroken("certify", f"the program does not answer: {self._blamed(nothing)}",
                                     "see that it speaks protocol 1; `leakref scaffold` writes one that does") from None
         except BaseException:
             self.close()
@@ -86,6 +86,12 @@ class ProcessSubject(Subject):
         finally:
             self._end()
             self._exchange.close()
+
+    def interrupt(self) -> None:
+        """From another thread: end the program, so that whoever waits for its answer need not. There will be none."""
+        self._strikes = STRIKES
+        if child := self._child:
+            child.kill()
 
     # ------------------------------------------------------------ starting
 
@@ -106,13 +112,18 @@ class ProcessSubject(Subject):
         given |= {name: printable(given[name], 120) for name in ("name", "version") if name in given}
         try:
             return Declaration.read(given)
-        except (TypeError, ValueError) as error:
-            raise Breach(Verdict.ERROR, f"declares what makes no sense ({printable(error)})") from None
+        except Unanswered as wrong:
+            raise Breach(wrong.verdict, wrong.message) from None
 
     def _running(self) -> Child:
         """The program, started again if it was ended."""
-        if self._child is None and self._start() != self.declaration:
-            raise Breach(Verdict.ERROR, "declared something else when it was started again")
+        if self._child is None:
+            try:
+                declared = self._start()
+            except LeakrefError as refusal:
+                raise Breach(Verdict.ERROR, f"could not be started again: {refusal.fault}") from None
+            if declared != self.declaration:
+                raise Breach(Verdict.ERROR, "declared something else when it was started again")
         assert self._child
         if said := self._child.unasked():
             raise Breach(Verdict.ERROR, f"answered twice or without being asked: {printable(said[0])}")
@@ -159,11 +170,11 @@ class ProcessSubject(Subject):
                 return {_OUTPUTS[stage]: self._exchange.take(_OUTPUTS[stage], shape)}
             return _checked(answer)
         except Breach as breach:
-            words = self._child.words() if self._child else ""
+            said = self._blamed(breach)
             self._end()
             self._strikes += 1
             self._last = breach.message
-            raise Unanswered(breach.verdict, breach.message + f"; its last words: {words}" * bool(words)) from None
+            raise Unanswered(breach.verdict, said) from None
         finally:
             self.violations += [f"{stage} {change}" for change in self._exchange.changes()]
             self._exchange.clear()
@@ -202,6 +213,11 @@ class ProcessSubject(Subject):
         if stage == "synthesize":
             return tuple(np.size(arrays[axis]) for axis in self.declaration.axes)
         return (int(parameters["size"]),) if stage == "window" else ()
+
+    def _blamed(self, nothing: Unanswered) -> str:
+        """Why there is no answer, with the last words of the program if it still has any to say."""
+        words = self._child.words() if self._child else ""
+        return nothing.message + f"; its last words: {words}" * bool(words)
 
     def _end(self) -> None:
         if self._child:

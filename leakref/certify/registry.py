@@ -75,14 +75,16 @@ class Check:
         identifier = f"{self.id}[{case.id}]"
         blank = Finding(identifier, self.family, Verdict.ERROR, "", label=self.label,
                         repro=f"leakref certify TARGET --only '{identifier}' --keep FOLDER")
+        subject.calls.clear()
         try:
             outcome = self.function(subject, case)
         except Unanswered as nothing:
-            return replace(blank, verdict=nothing.verdict, message=nothing.message)
+            return replace(blank, verdict=nothing.verdict, message=nothing.message, calls=tuple(subject.calls))
         over = outcome.over
         passed = over <= 1.0  # NaN does not pass
         return replace(blank, verdict=Verdict.PASS if passed else Verdict.FAIL, message=outcome.message,
-                       digits=outcome.digits, over=float(over), figures=dict(outcome.figures))
+                       digits=outcome.digits, over=float(over), figures=dict(outcome.figures),
+                       calls=() if passed else tuple(subject.calls))
 
 
 CHECKS: dict[str, Check] = {}

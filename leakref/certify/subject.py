@@ -19,7 +19,7 @@ from leakref.certify.verdict import Unanswered, Verdict
 from leakref.sea import Components
 from leakref.window import WINDOWS, window as named_window
 
-__all__ = ["GRAVITY", "PEAK", "Subject", "Velocities"]
+__all__ = ["GRAVITY", "PEAK", "Call", "Subject", "Velocities"]
 
 PEAK = 0.25
 """rad/m: the peak wavenumber at which an implementation in metres and seconds is shown the scaled seas; 25 m waves."""
@@ -35,6 +35,15 @@ class Velocities:
     declined: npt.NDArray[Any]
 
 
+@dataclass(frozen=True, eq=False)
+class Call:
+    """What was asked of a stage and what came back, in scaled units and the frame of the checks: for the diagnosis."""
+
+    stage: str
+    asked: Mapping[str, Any]
+    answer: npt.NDArray[Any]
+
+
 class Subject:
     """An implementation under judgement. Subclasses say in `_work` where the work is done.
 
@@ -47,6 +56,8 @@ class Subject:
         self.declaration = declaration
         self.violations: list[str] = []
         """What it did that it must not, such as altering its input; a check of behaviour reads it."""
+        self.calls: list[Call] = []
+        """Answers since the running check began."""
 
     def _work(self, stage: str, arrays: dict[str, Any], parameters: dict[str, Any]) -> Mapping[str, Any]:
         raise NotImplementedError
@@ -114,15 +125,18 @@ class Subject:
                       "wavenumbers": (asked / length).tolist(), "window": window if d.tapers else "box",
                       "method": method}
         answer = self._work("extract", arrays, parameters)
-        found, at = _rows(answer, asked / length, d)
+        rows, at = _rows(answer, asked / length, d)
         if not raw:
-            _refuse_bad(found)
-        values = found * time / length
+            _refuse_bad(rows)
+        values = rows * time / length
         if d.y == "down":
             values[:, 1] *= -1
         if d.direction == "from":
             values *= -1
-        return _matched(asked, values, None if at is None else at * length, steps, surface.shape, length, d)
+        found = _matched(asked, values, None if at is None else at * length, steps, surface.shape, length, d)
+        self._kept("extract", {"shape": surface.shape, "wavenumbers": asked, "window": window, "method": method,
+                               "scale": scale}, found.values)
+        return found
 
     def spectrum(self, surface: FloatArray, spacing: Sequence[float], window: str) -> npt.NDArray[Any]:
         """S or its magnitude, (nx, ny, nt), of the surface as the array that it is: y is not turned over."""
@@ -135,7 +149,7 @@ class Subject:
         found = np.asarray(_part(answer, "S"))
         if found.shape != arrays["eta"].shape:
             raise Unanswered(Verdict.FAIL, f"S has shape {found.shape}, should be that of eta, {arrays['eta'].shape}")
-        return self.unframed(found)
+        return self._kept("spectrum", {"shape": surface.shape, "window": window}, self.unframed(found))
 
     def synthesize(self, components: Components, x: FloatArray, y: FloatArray, t: FloatArray) -> FloatArray:
         """The surface (nx, ny, nt), in units of 1 / k0."""
@@ -153,7 +167,8 @@ class Subject:
         if found.shape != shape or found.dtype.kind not in "fiu":
             raise Unanswered(Verdict.FAIL, f"eta has shape {found.shape} of {found.dtype}, should be real, {shape}")
         eta = self.unframed(found)
-        return np.asarray(eta[:, ::-1] if flip else eta, dtype=np.float64) / length
+        eta = np.asarray(eta[:, ::-1] if flip else eta, dtype=np.float64) / length
+        return self._kept("synthesize", {"waves": components.kx.size}, eta)
 
     def window(self, name: str, size: int) -> FloatArray:
         """Samples of a window, (size,)."""
@@ -161,7 +176,11 @@ class Subject:
         found = np.asarray(_part(self._work("window", {}, {"name": name, "size": size}), "w"))
         if found.size != size or found.dtype.kind not in "fiu":
             raise Unanswered(Verdict.FAIL, f"w has shape {found.shape} of {found.dtype}, should be {size} real numbers")
-        return found.astype(np.float64).ravel()
+        return self._kept("window", {"name": name, "size": size}, found.astype(np.float64).ravel())
+
+    def _kept(self, stage: str, asked: Mapping[str, Any], answer: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        self.calls.append(Call(stage, asked, answer))
+        return answer
 
 
 def _tapered(surface: FloatArray, window: str) -> FloatArray:

@@ -117,12 +117,13 @@ def _simple(value: Any) -> Any:
 
 
 def _save(path: Path, found: Mapping[str, Any]) -> None:
-    """The output variables as float64 or complex128, so that they can be read without the target's own types."""
+    """The output variables as float64 or complex128, so that they can be read elsewhere; what is masked is NaN."""
     values = {}
     for name, value in found.items():
-        array = np.asarray(np.ma.filled(value, np.nan) if np.ma.isMaskedArray(value) else value)
-        values[name] = array.astype(np.complex128 if array.dtype.kind == "c" else np.float64)
-    np.savez(path, **values)  # type: ignore[arg-type]
+        array = np.ma.masked_array(value)
+        wide = array.astype(np.complex128 if array.dtype.kind == "c" else np.float64)
+        values[name] = np.ma.filled(wide, np.nan)
+    np.savez(path, **values)
 
 
 if __name__ == "__main__":

@@ -10,9 +10,10 @@ from rich.console import Console
 from rich.table import Table
 
 from leakref import runs
-from leakref._output import console, dump, envelope, folder, progress_bar, write_whole
+from leakref._output import console, dump, envelope, folder, progress_bar
 from leakref.claims.evidence import Evidence
 from leakref.claims.registry import DEPENDS, NOT_REPRODUCED, REPRODUCED, Finding, chosen
+from leakref.claims.stored import write
 
 __all__ = ["evaluate", "run", "table"]
 
@@ -38,7 +39,7 @@ def run(ids: Sequence[str], *, realizations: int, place: Path, workers: int, fig
     findings = evaluate(ids, realizations=realizations, place=place, workers=workers)
     result = envelope("claims", True, realizations=realizations, claims=[finding.record() for finding in findings])
     if out is not None:
-        write_whole(out, lambda path: path.write_text(_pretty(result), encoding="utf-8"))
+        write(out, result, ("claims",))
     if figures:
         from leakref.claims.pictures import draw
 
@@ -51,12 +52,6 @@ def run(ids: Sequence[str], *, realizations: int, place: Path, workers: int, fig
         for finding in findings if len(findings) <= 3 else ():  # a few: all that is behind them
             Console().print(_readings(finding))
     return True
-
-
-def _pretty(result: dict[str, Any]) -> str:
-    """A claim a line, so that a change is seen as a change of that claim."""
-    head = dump({key: value for key, value in result.items() if key != "claims"})
-    return head[:-1] + ', "claims": [\n' + ",\n".join(dump(record) for record in result["claims"]) + "\n]}\n"
 
 
 def _short(figure: Any) -> str:

@@ -1,4 +1,4 @@
-"""The picture of a claim: by how much each comparison behind it holds, at every shell."""
+"""The picture of a claim: by how much each comparison behind it holds, at every shell; and that of the decisions."""
 
 from __future__ import annotations
 
@@ -9,13 +9,14 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from leakref.claims.registry import Finding
 from leakref.claims.words import Reading, Tally
 from leakref.figures import COLOURS, figure, save
 from leakref.window import window
 
-__all__ = ["draw", "picture"]
+__all__ = ["decisions_figure", "draw", "picture"]
 
 _MOST = 12  # panels
 _LOOKS = {"shown": COLOURS[2], "open": "0.6", "contradicted": COLOURS[1]}
@@ -115,3 +116,67 @@ def _transforms(ax: Any) -> None:
     ax.set_xlabel("offset in bins")
     ax.set_ylabel("|transform|")
     ax.legend(loc="upper right")
+
+
+_LEAST, _TENTH = 1e-8, 0.1  # of the resolution: the left edge, and what counts as an effect
+
+
+def decisions_figure(result: dict[str, Any]) -> Figure:
+    """How far each variant moves the velocities, from the JSON of `leakref claims --decisions`, a panel a method.
+
+    A line for each variant and window, from the median over a bar to the 95th percentile and a point at the largest
+    shift, in units of the smaller resolution; what is below 1e-8 stands at the left edge.
+    """
+    methods = {"nsp": "NSP", "ls": "LS"}
+    rows = {method: [(record["id"], variant, [row for row in variant["rows"]
+                                              if row["case"] == "all" and row["method"] == method])
+                     for record in result["decisions"] for variant in record["variants"]
+                     if any(row["method"] == method for row in variant["rows"])] for method in methods}
+    rows = {method: found for method, found in rows.items() if found}
+    most = max(map(len, rows.values()))
+    with mpl.rc_context({"font.size": 8, "axes.titlesize": 10}):
+        drawing, axes = figure(1, len(rows), width=7.6 * len(rows), height=0.5 + 0.25 * most, sharex=True)
+        for ax, (method, variants) in zip(axes[0], rows.items(), strict=True):
+            for line, (_, _, members) in enumerate(variants):
+                _shift_lines(ax, line, members)
+            ax.set_yticks(range(len(variants)), [_label(id, variant) for id, variant, _ in variants])
+            ax.set_ylim(len(variants) - 0.4, -0.6)
+            ax.set_xscale("log")
+            ax.set_xlim(_LEAST / 2, 200)
+            for level, look in ((_TENTH, ":"), (1.0, "-")):
+                ax.axvline(level, color="0.4", lw=0.9, ls=look, zorder=0)
+            ax.set_title(methods[method])
+            ax.set_xlabel("shift / smaller velocity resolution (dotted: a tenth of it)")
+        _shift_legend(drawing)
+        drawing.suptitle("How far the velocities move if a decision is taken otherwise: median, 95th percentile, "
+                         f"largest; {result['realizations']} realisations of {len(result['configurations'])} seas")
+    return drawing
+
+
+_WINDOW_LOOKS = {"box": (COLOURS[1], "o", "untapered"), "hann": (COLOURS[0], "D", "Hann"),
+                 "kaiser-bessel": (COLOURS[2], "s", "Kaiser-Bessel")}
+
+
+def _label(id: str, variant: dict[str, Any]) -> str:
+    words = textwrap.shorten(variant["words"], 62, placeholder=" ...")
+    return f"{words}{'' if variant['paired'] else ' *'}  {id}"
+
+
+def _shift_lines(ax: Any, line: int, rows: list[dict[str, Any]]) -> None:
+    offsets = np.linspace(-0.16, 0.16, len(rows)) if len(rows) > 1 else [0.0]
+    for offset, row in zip(offsets, rows, strict=True):
+        if row["unflagged"]["shells"]:
+            colour, marker, _ = _WINDOW_LOOKS[row["window"]]
+            spread = [max(row["unflagged"]["resolution"][name], _LEAST) for name in ("median", "p95", "largest")]
+            y = line + offset
+            ax.plot(spread[::2], [y, y], color=colour, lw=0.7)
+            ax.plot(spread[:2], [y, y], color=colour, lw=2.6, solid_capstyle="butt")
+            ax.plot(spread[0], y, "|", color=colour, ms=6, mew=1.4)
+            ax.plot(spread[2], y, marker, color=colour, ms=3.6)
+
+
+def _shift_legend(drawing: Figure) -> None:
+    handles = [Line2D([], [], color=colour, marker=marker, ms=4, lw=2, label=words)
+               for colour, marker, words in _WINDOW_LOOKS.values()]
+    handles.append(Line2D([], [], ls="", label="* other waves: what chance does"))
+    drawing.legend(handles=handles, loc="outside lower center", ncols=len(handles))

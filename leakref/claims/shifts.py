@@ -37,11 +37,12 @@ _SHARE = 0.1  # of the smaller resolution: a variant that moves a velocity by mo
 @lru_cache(maxsize=4)
 def _spectra(configuration: Configuration, realization: int, windows: tuple[str, ...],
              radius: float) -> dict[str, FloatArray]:
-    return fastspectra.magnitudes(configuration.components(realization), configuration.grid,
-                                  [named_window(name) for name in windows], fastspectra.Disc(configuration.grid, radius))
+    grid, tapers = configuration.grid, [named_window(name) for name in windows]
+    return fastspectra.magnitudes(configuration.components(realization), grid, tapers, fastspectra.Disc(grid, radius))
 
 
-def velocities(variant: Variant, configuration: Configuration, realization: int, setting: Setting = PLAIN) -> FloatArray:
+def velocities(variant: Variant, configuration: Configuration, realization: int,
+               setting: Setting = PLAIN) -> FloatArray:
     """Of one realisation by the altered chain, (w, m, n, 2), NaN where there is none: its windows, methods, and the
     configuration's wavenumbers. Spectra that a variant leaves alone are made once for all of them."""
     windows = tuple(name for name in configuration.windows if name in variant.windows)
@@ -121,7 +122,7 @@ class Shifts:
         self.better = Sample(self.k, np.where(np.isfinite(self.moved), error - before, np.nan))
 
 
-def _figures(value: float) -> float | None:
+def _figures(value: Any) -> float | None:
     return float(f"{value:.3g}") if np.isfinite(value) else None
 
 
@@ -163,8 +164,8 @@ def study(variants: Iterable[Variant] = VARIANTS.values(), ids: Sequence[str] = 
 
     Resumed from `folder`, which may be that of `leakref reproduce`; there the references are found too.
     """
-    wanted, found = list(variants), {}
-    tasks = []
+    wanted, tasks = list(variants), []
+    found: dict[tuple[str, str], list[FloatArray]] = {}
     for configuration, number in product(configurations(ids), range(realizations)):
         acting = [v for v in wanted if configuration.id in v.configurations and number < v.realizations]
         tasks.append((acting, configuration, number, PLAIN, folder))
@@ -178,12 +179,12 @@ def study(variants: Iterable[Variant] = VARIANTS.values(), ids: Sequence[str] = 
     for ensembles in runs.run(configurations(ids), realizations=realizations, folder=folder, executor=executor):
         own = {(e.window, e.method): e for e in ensembles}
         for variant in wanted:
-            values = found.get((variant.id, ensembles[0].configuration.id))
-            if values is not None:
+            computed = found.get((variant.id, ensembles[0].configuration.id))
+            if computed is not None:
                 windows = [w for w in ensembles[0].configuration.windows if w in variant.windows]
-                whole[variant.id].append([Shifts(variant, own[window, method], np.array(values)[:, w, m])
-                                          for (w, window), (m, method) in product(enumerate(windows),
-                                                                                  enumerate(variant.methods))])
+                pairs = product(enumerate(windows), enumerate(variant.methods))
+                whole[variant.id].append([Shifts(variant, own[window, method], np.array(computed)[:, w, m])
+                                          for (w, window), (m, method) in pairs])
     return whole
 
 
@@ -249,7 +250,8 @@ def rejudged(variants: Sequence[Variant], claims: Sequence[Claim], *, realizatio
         for variant in variants:
             after = claim.judge(Altered(variant, realizations, folder, executor, ids))
             flipped = [{"reading": a.words, "before": a.holds, "after": b.holds}
-                       for a, b in zip(before.readings, after.readings, strict=True) if {a.holds, b.holds} == {True, False}]
+                       for a, b in zip(before.readings, after.readings, strict=True)
+                       if {a.holds, b.holds} == {True, False}]
             results.append({"id": claim.id, "decision": variant.decision, "variant": variant.id,
                             "before": before.verdict, "verdict": after.verdict, "figure": after.readings[0].figure,
                             "readings": len(before.readings), "flipped": flipped})

@@ -16,7 +16,7 @@ CONFIGURATIONS = ("nsp-ls", "theta0-dtheta/direction=60,spread=15", "gamma/sprea
                   "L-T/L=5,T=80", "U/rotation=0,current=0.15,current_direction=-90",
                   "U/rotation=30,current=0.15,current_direction=0", "windows")
 """The eight on which the decisions are tried: a broad, a narrow and a peaked sea, coarse and long videos, an opposing
-current (where the frequency of encounter matters), a crossing one that is rotated, and the normal sea of the windows."""
+current (where the frequency of encounter matters), a crossing one that is rotated, the normal sea of the windows."""
 _OPPOSING, _ROTATED, _WINDOWS = CONFIGURATIONS[5:]
 _SPECTRA = {"grid", "dispersion", "sea", "cases", "window", "leakage", "fastspectra"}
 
@@ -95,9 +95,9 @@ _LOW = "np.ascontiguousarray(magnitude[:, grid.bins(2) * grid.frequency_resoluti
 VARIANTS: dict[str, Variant] = {v.id: v for v in (
     Variant("symmetric-hann", "D1", "Hann sampled symmetrically, n / (N - 1)",
             _one("window", "symmetric: bool = False", "symmetric: bool = True"),
-            (Change("window", "if self.coefficients:\n            lines", "if self.name == \"box\":\n            lines"),
-             Change("fastspectra", "for w in windows if w.coefficients]", "for w in windows if w.name == \"box\"]"),
-             Change("fastspectra", "if not w.coefficients:", "if w.name != \"box\":")), windows=("hann",)),
+            (Change("window", "if self.coefficients:\n            lines", 'if self.name == "box":\n            lines'),
+             Change("fastspectra", "for w in windows if w.coefficients]", 'for w in windows if w.name == "box"]'),
+             Change("fastspectra", "if not w.coefficients:", 'if w.name != "box":')), windows=("hann",)),
     Variant("printed-branch", "D2", "negative branch of G as printed, at -omega0 - k.c",
             (Change("nsp", "return shell.intrinsic + shift, -shell.intrinsic + shift",
                     "return shell.intrinsic + shift, -shell.intrinsic - shift"),
@@ -123,7 +123,7 @@ VARIANTS: dict[str, Variant] = {v.id: v for v in (
              Change("fastscore", "if n == top and ring.even:\n                out[j] *= 0.5",
                     "if n == 0:\n                out[j] *= 2"),
              Change("fastscore", _CONSTANT, "clipped = True")), ("nsp",)),
-    Variant("early-stop", "D6", "Nelder-Mead stopped at the defaults of MATLAB and SciPy (1e-4 in c and in N), no polish",
+    Variant("early-stop", "D6", "Nelder-Mead stopped at the defaults of MATLAB and SciPy, 1e-4 in c and N; no polish",
             (Change("nsp", '"xatol": 1e-8, "fatol": np.inf', '"xatol": 1e-4, "fatol": 1e-4'),
              Change("nsp", _POLISH, "fit.x * unit, 0, True")),
             (Change("fast", "ring, velocity, d = ring._replace(magnitude=self.magnitude)",
@@ -141,7 +141,8 @@ VARIANTS: dict[str, Variant] = {v.id: v for v in (
     Variant("threshold-of-amplitude", "D7", "LS keeps bins above 0.2 of the shell's largest sqrt P, not P",
             _one("leastsquares", "THRESHOLD = 0.2", "THRESHOLD = 0.2**2"), methods=("ls",)),
     Variant("threshold-of-all", "D7", "LS keeps bins above 0.2 of the largest P of the whole spectrum",
-            (Change("shell", "spectrum.half_weight, magnitude, floor", "spectrum.half_weight, magnitude / largest, floor"),
+            (Change("shell", "spectrum.half_weight, magnitude, floor",
+                    "spectrum.half_weight, magnitude / largest, floor"),
              Change("leastsquares", "(shell.magnitude / shell.magnitude.max()) ** 2", "shell.magnitude**2")),
             _one("fast", "least_squares(ring, self.largest, threshold, out)",
                  "least_squares(ring, self.largest, threshold * (self.largest.max() / "
@@ -166,8 +167,8 @@ VARIANTS: dict[str, Variant] = {v.id: v for v in (
             configurations=(_ROTATED,)),
     Variant("images-turned", "D13", "the images turned (cubic splines, cropped from larger ones), not the sea",
             configurations=(_ROTATED,), setting=Setting(resampled=True), realizations=5),
-    Variant("kaiser-2-pi", "D14", "Kaiser-Bessel with b = 2 pi", _one("window", "KAISER_SHAPE = float(np.pi * np.sqrt(3))",
-                                                                     "KAISER_SHAPE = float(2 * np.pi)"),
+    Variant("kaiser-2-pi", "D14", "Kaiser-Bessel with b = 2 pi: first zero at 2.24 bins",
+            _one("window", "KAISER_SHAPE = float(np.pi * np.sqrt(3))", "KAISER_SHAPE = float(2 * np.pi)"),
             windows=("kaiser-bessel",), configurations=(_WINDOWS,)),
     Variant("kaiser-as-blackman", "D14", "Kaiser-Bessel with b = pi sqrt 8: first zero at three bins, as Blackman's",
             _one("window", "KAISER_SHAPE = float(np.pi * np.sqrt(3))", "KAISER_SHAPE = float(np.pi * np.sqrt(8))"),

@@ -1,1 +1,169 @@
-"""."""
+"""Conformance to the golden values, stage by stage, and to the reference on small seas."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from leakref._base import FloatArray
+from leakref.certify import cubes
+from leakref.certify.cubes import Cube, polar
+from leakref.certify.expected import expected, score, unflagged
+from leakref.certify.judging import EXACT, FLATTER, as_array, verdict
+from leakref.certify.registry import Case, Outcome, check
+from leakref.certify.subject import Subject
+from leakref.certify.verdict import Unanswered, Verdict
+from leakref.dispersion import Scales, UniformCurrent
+from leakref.golden import Entry, Golden, agreed_digits
+from leakref.grid import Grid
+from leakref.sea import Components
+from leakref.synthesis import synthesize
+
+__all__ = ["PRECISION", "check_extract", "check_sea", "check_spectrum", "check_surface", "check_window"]
+
+PRECISION = 1e-5
+"""Of the largest value: a hundred times what single precision rounds, a thousandth of an error of one percent."""
+CLOSE = ("1e-5 of the largest value: a hundred times the rounding of single precision, a thousandth of a constant that "
+         "is a percent off; digits beyond it are reported")
+SCORED = ("2e-4 c0, or for the NSP a score within a relative 1e-6 of the golden one's (optimisers are judged by "
+          "score); digits beyond it are reported, all of them within the golden tolerance")
+
+
+@cache
+def _entries(stage: str) -> dict[str, Entry]:
+    """The golden vectors of a stage that hold a number."""
+    return {entry.id: entry for entry in Golden().file(f"vectors/{stage}.json") if entry.values}
+
+
+def _vectors(*stages: str) -> list[Case]:
+    return [Case(identifier, {"stage": stage}) for stage in stages for identifier in _entries(stage)]
+
+
+def _entry(case: Case) -> Entry:
+    return _entries(case.given["stage"])[case.id]
+
+
+def _waves(entry: Entry) -> Components:
+    return Components(*(np.asarray(entry.input[name], dtype=np.float64) for name in Components.__dataclass_fields__))
+
+
+def _agreement(found: FloatArray, golden: FloatArray, allowed: FloatArray, what: str, **figures: Any) -> Outcome:
+    """Of arrays, by the largest difference over the largest golden value; all digits if within the golden tolerance."""
+    off, scale = np.abs(found - golden), float(np.abs(golden).max())
+    worst = np.unravel_index(int(off.argmax()), off.shape)
+    difference = float(off.max())
+    digits = agreed_digits(0.0 if np.all(off <= allowed) else difference, scale)
+    return Outcome(difference / (PRECISION * scale), f"{what}{list(map(int, worst))} is {found[worst]:.10g}, should be "
+                   f"{golden[worst]:.10g}; {digits:g} digits agree", digits, {"difference": difference, **figures})
+
+
+@check("conformance", "eq:hann", CLOSE, _vectors("window"), stage="window")
+def check_window(subject: Subject, case: Case) -> Outcome:
+    """The samples of a window: periodic, n / N, and not n / (N - 1); its coefficients to all their digits."""
+    entry = _entry(case)
+    found = subject.window(entry.input["window"], entry.input["size"])
+    return _agreement(found, entry.output["w"], entry.tolerance("w"), "w")
+
+
+@check("conformance", "sec:spectrum", CLOSE, _vectors("surface"), stage="synthesize")
+def check_surface(subject: Subject, case: Case) -> Outcome:
+    """The surface of a list of waves, sample by sample: signs and phases, no lattice, frequencies below zero."""
+    entry = _entry(case)
+    x, y, t = (np.asarray(entry.input[axis], dtype=np.float64) for axis in "xyt")
+    return _agreement(subject.synthesize(_waves(entry), x, y, t), entry.output["eta"], entry.tolerance("eta"), "eta")
+
+
+@check("conformance", "sec:leakage", CLOSE + ". One common factor is fitted; a real S is taken as its magnitude",
+       _vectors("spectrum", "transform"), stage="spectrum")
+def check_spectrum(subject: Subject, case: Case) -> Outcome:
+    """The spectrum of a surface: order and sign of all three axes, taper along each, waves beyond and near Nyquist,
+    frequencies below zero."""
+    entry = _entry(case)
+    spacing = tuple(entry.input["spacing"])
+    golden = entry.output["real"] + 1j * entry.output["imag"]
+    surface = np.asarray(entry.input["surface"], dtype=np.float64) if "surface" in entry.input else synthesize(
+        _waves(entry), *(Grid(tuple(entry.input["shape"]), spacing).samples(axis) for axis in range(3)))
+    found = np.asarray(subject.spectrum(surface, spacing, entry.input["window"]))
+    if not np.iscomplexobj(found):
+        golden = np.abs(golden)
+    power = float(np.vdot(found, found).real)
+    if not 0 < power < np.inf:
+        raise Unanswered(Verdict.FAIL, "S is zero everywhere, or holds values that are not finite")
+    factor = np.vdot(found, golden) / power
+    return _agreement(found * factor, golden, entry.tolerance("real"), "S", factor=[factor.real, factor.imag])
+
+
+def _scored(cube: Cube, window: str, method: str, found: FloatArray, golden: FloatArray) -> FloatArray:
+    """Effect over tolerance at each wavenumber, (n,): by the velocity, or by the score if that is kinder."""
+    over = np.hypot(*(found - golden).T) / EXACT
+    if method == "nsp":
+        for n in np.flatnonzero(over > 1):
+            best, own = (score(cube, window, float(cube.wavenumbers[n]), c[n]) for c in (golden, found))
+            over[n] = min(over[n], max((1 - own / best) / FLATTER, 0.0))
+    return over
+
+
+def _velocities(subject: Subject, cube: Cube, surface: FloatArray, window: str, method: str, golden: FloatArray,
+                allowed: FloatArray) -> Outcome:
+    """Compare with `golden` (n, 2), NaN where there is no number; `allowed` (n, 1) is its tolerance."""
+    found, there = as_array(subject, surface, cube.spacing, cube.wavenumbers, window, method)
+    known = there & ~np.isnan(golden).any(axis=1)
+    over = np.full(known.size, np.nan)
+    if known.any():
+        part = Cube(cube.components, cube.grid, cube.wavenumbers[known], cube.current)
+        over[known] = _scored(part, window, method, found[known], golden[known])
+    outcome = verdict(over, cube, found, golden)
+    off = np.abs(found - golden)[known]
+    digits = agreed_digits(0.0 if np.all(off <= allowed[known]) else float(off.max()), 1.0)
+    return Outcome(outcome.over, f"{outcome.message}; {digits:g} digits agree", digits, outcome.figures)
+
+
+@check("conformance", "eq:normSp", SCORED, _vectors("nsp", "ls", "extract"))
+def check_extract(subject: Subject, case: Case) -> Outcome:
+    """Velocities of small cubes, each with a purpose of its own: all four signs, uneven sides, prime sizes, gravity in
+    SI units, waves swept backwards, bins on a threshold."""
+    entry = _entry(case)
+    given, scales = entry.input, Scales(1.0, entry.input["gravity"])
+    dx, dy, dt = given["spacing"]
+    grid = Grid(tuple(given["shape"]), (dx, dy, dt / scales.time))
+    waves = _waves(entry)
+    scaled = Components(waves.kx, waves.ky, waves.omega / scales.frequency, waves.amplitude, waves.phase)
+    cube = Cube(scaled, grid, np.asarray(given["wavenumbers"]), UniformCurrent())
+    surface = np.asarray(given["surface"]) if "surface" in given else cube.surface
+    return _velocities(subject, cube, surface, given["window"], given.get("method", entry.stage),
+                       entry.output["velocities"] / scales.velocity, entry.tolerance("velocities") / scales.velocity)
+
+
+SQUARE = Grid((42, 42, 66), (0.72, 0.72, 0.7))
+
+
+def _sea(name: str) -> Cube:
+    """Seas that the reference is asked about now: edge bins on a square domain, odd sizes, a strong current."""
+    dk = SQUARE.wavenumber_resolution
+    return {
+        "edges": lambda: cubes.sea(40.0, 120.0, UniformCurrent(polar(0.1, 10.0)), realization=21, grid=SQUARE,
+                                   wavenumbers=tuple(float(n * dk) for n in (5, 6, 8, 10, 13))),
+        "odd": lambda: cubes.sea(-110.0, 70.0, UniformCurrent(polar(0.15, 200.0)), realization=22,
+                                 grid=Grid((45, 39, 61), (0.66, 0.74, 0.83)), wavenumbers=(1.05, 1.3, 1.7, 2.2, 2.8)),
+        "narrow": lambda: cubes.sea(65.0, 25.0, UniformCurrent(polar(0.05, 90.0)), realization=23,
+                                    wavenumbers=(1.1, 1.4, 1.8, 2.3)),
+        "strong": lambda: cubes.sea(80.0, 180.0, UniformCurrent((-0.5, -0.5)), realization=24, grid=cubes.BRIEF,
+                                    wavenumbers=(1.3, 1.6, 1.9, 2.2, 2.5)),
+    }[name]()
+
+
+@check("conformance", "eq:normSp", SCORED.replace("golden one", "reference").replace("the golden tolerance", "1e-11 c0")
+       + ". Wavenumbers of which the reference notes something are left out", [
+           Case(f"{name}-{window}-{method}", {"sea": name, "window": window, "method": method},
+                quick=name in ("edges", "strong"))
+           for name in ("edges", "odd", "narrow", "strong") for window in ("hann", "box") for method in ("nsp", "ls")])
+def check_sea(subject: Subject, case: Case) -> Outcome:
+    """Whole seas against the reference: which bins belong to a shell, those on its edge too, how they are weighted,
+    where the frequencies end, which width the Gaussian has, which bins pass the threshold."""
+    cube, window, method = _sea(case.given["sea"]), case.given["window"], case.given["method"]
+    reference = expected(cube, window, method)
+    known = unflagged(cube, window, method)
+    golden = np.where(known[:, None], reference.velocities, np.nan)
+    return _velocities(subject, cube, cube.surface, window, method, golden, np.full((known.size, 1), 1e-11))

@@ -1,1 +1,51 @@
-"""."""
+"""Scale invariance: the same dimensionless sea at two peak wavenumbers, and over another duration."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from leakref.certify import cubes
+from leakref.certify.cubes import BRIEF, SEA, polar
+from leakref.certify.expected import unflagged
+from leakref.certify.judging import FRACTION, ask, bare, each_method, in_the_mean, taper, verdict
+from leakref.certify.registry import Case, Outcome, check
+from leakref.certify.subject import Subject
+from leakref.dispersion import UniformCurrent
+from leakref.grid import Grid
+
+__all__ = ["check_duration", "check_peak"]
+
+LONG = Grid((40, 42, 144), (0.72, 0.7, 0.8))
+
+
+@check("scale", "sec:dimensions", "a tenth of the smaller resolution (eq:dcdwk) where the reference notes nothing: in "
+       "scaled units the two are one computation", [
+           Case("4", {"scale": 4.0, "tapered": True}), Case("quarter", {"scale": 0.25, "tapered": True}, quick=False),
+           Case("4-untapered", {"scale": 4.0, "tapered": False}),
+           Case("quarter-untapered", {"scale": 0.25, "tapered": False}, quick=False)])
+def check_peak(subject: Subject, case: Case) -> Outcome:
+    """The same sea with waves a quarter or four times as long: a width in rad/s, a gravity, a search range or a
+    threshold that was set for one sea state gives another current, and is as sure of it."""
+    window = taper(subject) if case.given["tapered"] else bare(subject)
+    cube = cubes.sea(70.0, 100.0, UniformCurrent(polar(0.2, -30.0)), realization=11, wavenumbers=(1.3, 1.6, 2.0, 2.5))
+
+    def judge(method: str) -> Outcome:
+        found, there = ask(subject, cube, window, method)
+        other = subject.extract(cube.surface, cube.spacing, cube.wavenumbers, window=window, method=method,
+                                scale=case.given["scale"])
+        over = np.hypot(*(other.values - found).T) / (FRACTION * cube.resolutions[0])
+        known = there & unflagged(cube, window, method)
+        return verdict(np.where(known, over, np.nan), cube, other.values, found)
+
+    return each_method(subject, judge)
+
+
+@check("scale", "eq:DSVkernel", "the mean error over the wavenumbers is below the mean larger resolution (eq:dcdwk) of "
+       "the cube", [Case("brief", {"grid": BRIEF}), Case("ten-periods", {"grid": SEA}, quick=False),
+                    Case("long", {"grid": LONG})])
+def check_duration(subject: Subject, case: Case) -> Outcome:
+    """The same current seen for three, ten and eighteen periods: a width that does not follow the frequency bins is too
+    narrow for the one or too wide for the other."""
+    cube = cubes.sea(70.0, 100.0, UniformCurrent(polar(0.3, 150.0)), realization=2, grid=case.given["grid"],
+                     wavenumbers=(1.3, 1.6, 2.0, 2.4))
+    return each_method(subject, lambda method: in_the_mean(subject, cube, taper(subject), method))

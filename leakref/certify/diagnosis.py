@@ -1,0 +1,294 @@
+"""What is wrong: which fault, applied to the reference, does what the implementation does.
+
+Every fault of the list is a hypothesis. The checks that an implementation failed are run again on the reference with
+the fault, and its answers are compared with those of the implementation, one by one. The fault that reproduces them
+best is the diagnosis, if it does so to `ENOUGH` digits and clearly better than the reference without any fault. A code
+of another algorithm has no digits in common with any of them; then `_in_common` looks for a sign, an exchange of axes,
+a lost component or a factor between its velocities and those of the reference. What neither finds is unexplained.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from leakref._base import FloatArray, LeakrefError
+from leakref.certify import faults
+from leakref.certify.inprocess import InProcess
+from leakref.certify.registry import Case, Check, chosen
+from leakref.certify.subject import Call
+from leakref.certify.verdict import Finding, Verdict
+
+__all__ = ["ENOUGH", "Diagnosis", "Hypothesis", "departure", "diagnose"]
+
+ENOUGH = 3.0
+"""Digits of agreement from which a fault explains an answer: far more than two velocities share by chance."""
+_CLEARLY = 1.0  # digits that it must be better than the reference without a fault
+_ALIKE = 0.5  # digits within which several faults explain as well as the best
+_FULL = 15.6  # digits of float64
+_EVIDENCE = 8  # failed checks that are run again
+_WRONG = (Verdict.FAIL, Verdict.ERROR, Verdict.TIMEOUT)
+_STAGES = ("window", "synthesize", "spectrum", "extract")
+_FLOOR = 0.02  # in c0: slower velocities of the reference say nothing of a sign
+
+Step = Callable[[], object]
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """A fault, what it is in `words`, and to how many `digits` it gives the answers; None if none are numbers."""
+
+    fault: str
+    words: str
+    digits: float | None
+
+    def record(self) -> dict[str, Any]:
+        """As in the JSON of `leakref certify`."""
+        return {"fault": self.fault, "digits": self.digits, "words": self.words}
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """The hypotheses that explain the failures, best first (several if they cannot be told apart); `words` for it."""
+
+    hypotheses: tuple[Hypothesis, ...]
+    words: str
+
+
+@dataclass(frozen=True, eq=False)
+class _Clue:
+    """A check that failed, and what came of it."""
+
+    check: Check
+    case: Case
+    finding: Finding
+
+    @property
+    def cost(self) -> float:
+        """Of running it again: samples times wavenumbers."""
+        return float(sum(np.prod(call.asked.get("shape", (1,))) * np.size(call.asked.get("wavenumbers", 1))
+                         for call in self.finding.calls))
+
+
+def departure(findings: Iterable[Finding]) -> str:
+    """The first stage of the chain whose golden values are not reproduced; empty if there is none, or only one."""
+    compared = [f for f in findings if f.family == "conformance" and f.verdict is not Verdict.UNSUPPORTED]
+    stage = {f.id: _stage(f) for f in compared}
+    if len(set(stage.values())) < 2:
+        return ""
+    return next((s for s in _STAGES if any(stage[f.id] == s and f.verdict in _WRONG for f in compared)), "")
+
+
+def _stage(finding: Finding) -> str:
+    return next(c.stage for c, case in chosen([finding.id.partition("[")[0]]))
+
+
+def diagnose(findings: Sequence[Finding], *, deep: bool = False, after_each: Step = lambda: None) -> Diagnosis:
+    """Explain the failures among `findings`; with `deep`, pairs of faults are tried as well. Nothing failed: no words.
+
+    Calls `after_each` for every fault tried.
+    """
+    clues = _clues(findings)
+    if not clues:
+        return Diagnosis((), "")
+    named = {fault.id: fault.words for fault in faults.FAULTS.values()}
+    best, plain = _tried(clues, [(), *((name,) for name in named)], after_each)
+    if not _explains(best, plain) and deep:
+        pairs = [pair for pair in combinations(faults.FAULTS, 2) if _implementation(pair) is not None]
+        best, plain = _tried(clues, [(), *pairs], after_each)
+    if _explains(best, plain):
+        top = best[0][1]
+        alike = [Hypothesis("+".join(names), " and ".join(named[name] for name in names), _shown(digits))
+                 for names, digits in best if digits >= top - _ALIKE]
+        return Diagnosis(tuple(alike), _sentence(alike))
+    rough = _in_common(clues)
+    if rough is not None:
+        return Diagnosis((rough,), f"like the reference, but {rough.words} (another algorithm: to {rough.digits:.1f} "
+                                   "digits)")
+    return Diagnosis((), "unexplained: no fault of the list reproduces these answers")
+
+
+def _clues(findings: Sequence[Finding]) -> list[_Clue]:
+    """What failed, from cheap to dear, each family once before any twice."""
+    by_id = {f"{c.id}[{case.id}]": (c, case) for c, case in chosen()}
+    found = sorted((_Clue(*by_id[f.id], f) for f in findings if f.verdict in _WRONG and f.id in by_id),
+                   key=lambda clue: clue.cost)
+    rank: dict[str, int] = {}
+    order = []
+    for clue in found:
+        rank[clue.check.family] = rank.get(clue.check.family, -1) + 1
+        order.append((rank[clue.check.family], clue.cost))
+    return [found[n] for n in sorted(range(len(found)), key=order.__getitem__)][:_EVIDENCE]
+
+
+Scored = list[tuple[tuple[str, ...], float]]
+
+
+def _tried(clues: Sequence[_Clue], hypotheses: Sequence[tuple[str, ...]], after_each: Step) -> tuple[Scored, float]:
+    """Hypotheses by digits, best first, and the digits of the empty one, the reference itself.
+
+    One after the other the clues are compared; hypotheses that are far behind are not followed further.
+    """
+    digits: dict[tuple[str, ...], list[float]] = {names: [] for names in hypotheses}
+    for clue in clues:
+        for names, seen in digits.items():
+            seen += _agreement(clue, names)
+            after_each()
+        top = max(_worst(seen) for names, seen in digits.items() if names)
+        digits = {names: seen for names, seen in digits.items() if not names or _worst(seen) >= top - 2}
+    plain = _worst(digits.pop(()))
+    return sorted(((names, _worst(seen)) for names, seen in digits.items()), key=lambda row: -row[1]), plain
+
+
+def _worst(digits: Sequence[float]) -> float:
+    """What all but a few answers agree to: one shell in another basin does not refute a hypothesis."""
+    return float(np.quantile(digits, 0.1, method="higher")) if digits else 0.0
+
+
+def _explains(best: Scored, plain: float) -> bool:
+    return bool(best) and best[0][1] >= max(ENOUGH, plain + _CLEARLY)
+
+
+def _shown(digits: float) -> float | None:
+    return None if digits > _FULL else round(digits, 1)
+
+
+def _sentence(alike: Sequence[Hypothesis]) -> str:
+    first = alike[0]
+    to = "in what it does wrong" if first.digits is None else f"to {first.digits:.0f} digits"
+    same = f" (or {', '.join(one.fault for one in alike[1:])}: the same here)" if len(alike) > 1 else ""
+    return f"equals the reference with this fault, {to}: {first.words}{same}"
+
+
+# ---------------------------------------------------------------- answers of a hypothesis, and how near they come
+
+
+@lru_cache(maxsize=4096)
+def _implementation(names: tuple[str, ...]) -> Any:
+    """The reference with faults; None where they cannot be had together."""
+    from leakref.altered import altered
+    from leakref.chain import reference
+
+    if len(names) < 2:
+        return faults.implementation(names[0]) if names else reference
+    pair = [faults.FAULTS[name] for name in names]
+    if any(fault.instead is not None or not fault.changes for fault in pair):
+        return None
+    try:
+        return altered(tuple(change for fault in pair for change in fault.changes)).chain.reference
+    except LeakrefError:
+        return None  # both change one line
+
+
+@lru_cache(maxsize=4096)
+def _replayed(identifier: str, names: tuple[str, ...]) -> tuple[Finding, tuple[Call, ...]]:
+    """What a check finds of the reference with faults, and the answers it had."""
+    (check, case), = chosen([identifier])
+    subject = InProcess(_implementation(names))
+    finding = check(subject, case)
+    return replace(finding, calls=()), tuple(subject.calls)
+
+
+def _agreement(clue: _Clue, names: tuple[str, ...]) -> list[float]:
+    """Digits to which a hypothesis gives the answers of a clue; beyond those of float64 for what is no number."""
+    theirs = clue.finding
+    finding, calls = _replayed(theirs.id, names)
+    if finding.verdict is not theirs.verdict:
+        return [0.0]
+    if theirs.family == "behaviour" or not theirs.calls:
+        return [_FULL + 1 if _without_numbers(finding.message) == _without_numbers(theirs.message) else 0.0]
+    if len(calls) != len(theirs.calls):
+        return [0.0]
+    return [digits for mine, other in zip(theirs.calls, calls, strict=True) for digits in _digits(mine, other)]
+
+
+def _without_numbers(message: str) -> str:
+    return re.sub(r"[-+]?[0-9][0-9.e+-]*", "#", message)
+
+
+def _digits(mine: Call, other: Call) -> list[float]:
+    """Of two answers to one question: of velocities one number a wavenumber, else one in all."""
+    a, b = mine.answer, other.answer
+    if mine.stage != other.stage or a.shape != b.shape:
+        return [0.0]
+    if mine.stage == "spectrum":
+        b = _fitted(a, b)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        scale = np.nanmax(np.abs(a), initial=0.0) or 1.0
+        off = np.abs(a - b).reshape(len(a), -1).max(axis=1) / scale
+    gone = np.isnan(a).reshape(len(a), -1).any(axis=1)
+    off = np.where(gone & np.isnan(b).reshape(len(b), -1).any(axis=1), 0.0, np.where(np.isnan(off), 1.0, off))
+    each = np.clip(-np.log10(np.maximum(off, 10**-_FULL)), 0.0, _FULL)
+    return [float(d) for d in each] if mine.stage == "extract" else [float(each.min())]
+
+
+def _fitted(a: npt.NDArray[Any], b: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """b, made like a: magnitudes if a has no phases, times the best common factor."""
+    if not np.iscomplexobj(a):
+        b = np.abs(b)
+    power = np.vdot(b, b).real
+    return b * (np.vdot(b, a) / power) if power else b
+
+
+# ---------------------------------------------------------------- what another algorithm has in common
+
+_MAPS: dict[str, tuple[str, list[list[float]]]] = {
+    "": ("", [[1, 0], [0, 1]]),
+    "negated-current": ("negated", [[-1, 0], [0, -1]]),
+    "flipped-x": ("with the x component of the wrong sign", [[-1, 0], [0, 1]]),
+    "flipped-y": ("with the y component of the wrong sign", [[1, 0], [0, -1]]),
+    "exchanged-axes": ("with x and y exchanged", [[0, 1], [1, 0]]),
+    "quarter-turn": ("turned by a quarter turn", [[0, -1], [1, 0]]),
+    "quarter-turn-back": ("turned back by a quarter turn", [[0, 1], [-1, 0]]),
+    "exchanged-and-negated": ("with x and y exchanged, and negated", [[0, -1], [-1, 0]]),
+    "lost-x": ("without an x component", [[0, 0], [0, 1]]),
+    "lost-y": ("without a y component", [[1, 0], [0, 0]])}
+_NEAR = 0.35  # part of the velocities that may be left over
+_FACTOR = 0.15  # that a factor may differ from one
+
+
+def _in_common(clues: Sequence[_Clue]) -> Hypothesis | None:
+    """A linear map between the velocities of the implementation and of the reference, if one is common to them."""
+    mine, true, scales = _velocities(clues)
+    if len(mine) < 2 or np.linalg.matrix_rank(true, tol=0.1 * np.abs(true).max()) < 2:
+        return None
+    fits = []
+    for name, (words, matrix) in _MAPS.items():
+        mapped = true @ np.array(matrix).T
+        factor = float(np.sum(mapped * mine) / np.sum(mapped**2))
+        rest = float(np.sqrt(np.sum((mine - factor * mapped) ** 2) / np.sum(mine**2)))
+        if factor > 0:
+            fits.append((rest, name, words, factor, mapped))
+    rest, name, words, factor, mapped = min(fits, key=lambda fit: fit[:2])
+    each = {scale: float(np.sum((mapped * mine)[scales == scale]) / np.sum(mapped[scales == scale] ** 2))
+            for scale in np.unique(scales)}
+    if max(each.values()) - min(each.values()) > _FACTOR * abs(factor):
+        said = ", ".join(f"{value:.2f} at {scale:g}" for scale, value in each.items())
+        return Hypothesis("scale-dependent", f"times a factor that depends on the scale of the sea: {said} times the "
+                          "usual peak wavenumber", round(-np.log10(max(rest, 1e-15)), 1))
+    if rest > _NEAR or (not name and abs(factor - 1) < _FACTOR):
+        return None
+    if abs(factor - 1) >= _FACTOR:
+        words = f"{words} and times {factor:.3g}".removeprefix(" and ")
+    return Hypothesis(name or "factor", words, round(-np.log10(max(rest, 1e-15)), 1))
+
+
+def _velocities(clues: Sequence[_Clue]) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Velocities of the implementation and of the reference for the same questions, (m, 2) each, and scales (m,)."""
+    mine, true, scales = [np.empty((0, 2))], [np.empty((0, 2))], [np.empty(0)]
+    for clue in clues:
+        _, calls = _replayed(clue.finding.id, ())
+        for a, b in zip(clue.finding.calls, calls, strict=False):
+            if a.stage == b.stage == "extract" and a.answer.shape == b.answer.shape:
+                use = np.isfinite(a.answer).all(axis=1) & (np.hypot(*b.answer.T) > _FLOOR)
+                mine.append(a.answer[use])
+                true.append(b.answer[use])
+                scales.append(np.full(int(use.sum()), float(a.asked["scale"])))
+    return np.concatenate(mine), np.concatenate(true), np.concatenate(scales)

@@ -1,0 +1,97 @@
+"""The certificate as a page to send to a colleague, and as a badge."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from leakref import __version__
+from leakref.certify.certificate import Certificate
+from leakref.certify.registry import FAMILIES, chosen
+from leakref.certify.verdict import Finding, Verdict
+
+__all__ = ["badge", "page", "sentence"]
+
+_PAGES = Environment(loader=PackageLoader("leakref.certify", "pages"), autoescape=True, undefined=StrictUndefined,
+                     trim_blocks=True)
+_COLOURS = {"conformant": "#00695c", "sound": "#00695c", "rejected": "#b3261e", "not judged": "#8a6100"}
+_MOST = 12  # wavenumbers in a drawing
+
+
+def sentence(certificate: Certificate) -> str:
+    """What the grade means, and what it rests on."""
+    n = len(certificate.judged)
+    if certificate.grade is None:
+        return "Nothing that was asked is offered."
+    if certificate.grade == "conformant":
+        return f"It reproduces the reference chain in all {n} findings."
+    if certificate.grade == "sound":
+        return f"Another algorithm than the reference, and right wherever any algorithm must be ({n} findings judged)."
+    if certificate.wrong:
+        return f"{len(certificate.wrong)} of {n} findings are wrong."
+    return "It gave no numbers for a whole family of checks."
+
+
+def page(certificate: Certificate, pictures: Sequence[Mapping[str, str]] = ()) -> str:
+    """One self-contained page of HTML, readable without scripts. `pictures`: title, words, and data, PNG in base64."""
+    known = {f"{c.id}[{case.id}]": c for c, case in chosen()}
+    grade = certificate.grade or "not judged"
+    rows = [(family, [_row(f, known, certificate) for f in certificate.findings if f.family == family])
+            for family, _ in certificate.families()]
+    return _PAGES.get_template("certificate.html").render(
+        certificate=certificate, said=certificate.declaration, grade=grade, version=__version__, pictures=pictures,
+        grade_class=certificate.grade or "unjudged", sentence=sentence(certificate), families=FAMILIES, findings=rows,
+        verdicts=[str(v) for v in Verdict], declared=list(_declared(certificate.declaration)))
+
+
+def badge(certificate: Certificate) -> str:
+    """A small SVG with the grade."""
+    grade = certificate.grade or "not judged"
+    return _PAGES.get_template("badge.svg").render(grade=grade, width=58 + 7 * len(grade), colour=_COLOURS[grade])
+
+
+def _declared(said: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    for name in ("units", "axes", "y", "direction"):
+        yield name, str(said[name])
+    yield "fixed", ", ".join(said["fixed"]) or "nothing"
+    for stage, what in said["can"].items():
+        told = "; ".join(f"{name} {', '.join(map(str, v)) if isinstance(v, list | tuple) else v}"
+                         for name, v in what.items())
+        yield stage, told or "offered"
+
+
+def _row(finding: Finding, known: Mapping[str, Any], certificate: Certificate) -> dict[str, Any]:
+    check = known.get(finding.id)
+    return {"finding": finding, "reason": check.reason if check else "", "open": finding in certificate.wrong,
+            "tolerance": check.tolerance if check else "", "drawings": list(_drawings(finding.figures))}
+
+
+def _drawings(figures: Mapping[str, Any], title: str = "velocities") -> Iterator[dict[str, Any]]:
+    """Arrows of every part of the figures that has velocities (n, 2) and what they should be."""
+    if {"wavenumbers", "velocities", "should_be"} <= set(figures):
+        yield _arrows(title, *(np.asarray(figures[name], dtype=float)
+                               for name in ("wavenumbers", "velocities", "should_be")),
+                      np.asarray(figures.get("over", np.zeros(len(figures["wavenumbers"]))), dtype=float))
+        return
+    for name, part in figures.items():
+        if isinstance(part, Mapping):
+            yield from _drawings(part, str(name))
+
+
+def _arrows(title: str, k: Any, found: Any, should: Any, over: Any) -> dict[str, Any]:
+    longest = np.nanmax(np.abs(np.concatenate([found, should])), initial=1e-12)
+    x = 60 + 110 * np.arange(len(k))
+
+    def end(n: int, c: Any) -> tuple[float, float]:
+        u, v = np.nan_to_num(c) / longest * 45
+        return round(float(x[n] + u), 1), round(float(55 - v), 1)
+
+    arrows = []
+    for n in range(min(len(k), _MOST)):
+        (tx, ty), (fx, fy) = end(n, should[n]), end(n, found[n])
+        arrows.append({"x": int(x[n]), "tx": tx, "ty": ty, "fx": fx, "fy": fy, "k": f"{k[n]:.3g}",
+                       "colour": "#b3261e" if over[n] > 1 else "#00695c"})
+    return {"title": title, "width": 120 + 110 * max(0, len(arrows) - 1), "arrows": arrows}

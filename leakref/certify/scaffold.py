@@ -1,0 +1,34 @@
+"""A working adapter to start from, in several languages: copied from `templates/`, a folder for each kind."""
+
+from __future__ import annotations
+
+from importlib import resources
+from pathlib import Path
+
+from leakref._base import LeakrefError
+from leakref._output import write_whole
+
+__all__ = ["NEXT", "write"]
+
+NEXT = {"python": "leakref certify adapter:Code",
+        "octave": 'leakref certify --command "octave-cli --quiet --no-init-file adapter.m"',
+        "shell": 'leakref certify --command "sh adapter.sh"',
+        "cpp": "make && leakref certify --command ./adapter"}
+"""By kind, what to do next in the folder."""
+
+
+def write(kind: str, folder: Path) -> list[Path]:
+    """Write the files of a `kind` (a key of NEXT) to `folder`: their paths.
+
+    Raises LeakrefError for another kind, and writes nothing if one of the files is already there.
+    """
+    if kind not in NEXT:
+        raise LeakrefError("scaffold", f"there is none for {kind!r}", f"choose one of {', '.join(NEXT)}")
+    templates = resources.files("leakref.certify").joinpath("templates", kind)
+    texts = {Path(folder) / file.name: file.read_bytes() for file in templates.iterdir() if file.is_file()}
+    for path in texts:
+        if path.exists():
+            raise LeakrefError("scaffold", f"{path} is there already", "name another folder")
+    for path, text in texts.items():
+        write_whole(path, lambda beside, text=text: beside.write_bytes(text))  # type: ignore[misc]
+    return sorted(texts)

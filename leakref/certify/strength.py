@@ -1,0 +1,446 @@
+"""The strength of the suite itself: which checks kill which faults, and how often a correct code is rejected.
+
+Faults are mutants: each must exceed the tolerance of its witness ten times and be killed by the family of checks meant
+for it, and a family that is switched off must let some of them live. Variants are correct codes: none may be rejected,
+on the checks' own inputs or on fresh seas and grids. The statistical checks are resampled under their null hypothesis.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor, as_completed
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, replace
+from functools import cache
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.stats import binomtest
+from scipy.stats import t as student
+
+from leakref import fast, runs
+from leakref._base import FloatArray
+from leakref._output import dump, envelope, folder, plain, progress_bar, write_whole
+from leakref.certify import cubes, faults, variants
+from leakref.certify.faults import FAULTS, Fault
+from leakref.certify.inprocess import InProcess
+from leakref.certify.judging import NEVER
+from leakref.certify.registry import CHECKS, FAMILIES, Case, Check, chosen
+from leakref.certify.statistics import FALSE_ALARMS, share
+from leakref.certify.variants import VARIANTS
+from leakref.certify.verdict import Finding, Verdict
+from leakref.dispersion import Current, ExponentialCurrent, LinearCurrent, UniformCurrent
+from leakref.grid import Grid
+
+__all__ = ["DISTINCT", "SEEDS", "Job", "classes", "compute", "false_alarms", "fresh", "jobs", "run", "study"]
+
+SEEDS = 200
+"""Fresh seeds of the full study, shared among the variants."""
+DISTINCT = 10.0
+"""Effect over tolerance that every fault must have on its witness."""
+RESAMPLINGS = 100_000
+_STORED = 100  # realisations of each sea of the statistical checks
+_WRONG = (Verdict.FAIL, Verdict.ERROR, Verdict.TIMEOUT)
+_SEEN = ("signs", "recovery", "metamorphic", "leakage", "currents", "shear", "scale")  # families that look at seas
+_TURNS = [np.array(m) for m in ([[1, 0], [0, 1]], [[0, -1], [1, 0]], [[-1, 0], [0, -1]], [[0, 1], [-1, 0]],
+                                [[1, 0], [0, -1]], [[0, 1], [1, 0]], [[-1, 0], [0, 1]], [[0, -1], [-1, 0]])]
+
+
+@dataclass(frozen=True)
+class Job:
+    """A part of the study for one worker: `kind` is fault, variant or null; `seed` None is the checks' own input."""
+
+    kind: str
+    id: str
+    seed: int | None = None
+    full: bool = False
+
+    def path(self, work: Path) -> Path:
+        """Where its result is kept: another source of anything that it depends on is another folder."""
+        name = f"{self.kind}-{self.id}" + ("-full" if self.full else "") + f"-{self.seed}" * (self.seed is not None)
+        return work / source_digest()[:20] / f"{name}.json"
+
+
+def jobs(*, full: bool = False) -> list[Job]:
+    """What there is to do, in the order in which it is reported."""
+    shared = [Job("variant", list(VARIANTS)[seed % len(VARIANTS)], seed) for seed in range(SEEDS if full else 0)]
+    nulls = [Job("null", name) for name in _seas()] if full else []
+    return [*(Job("fault", name, full=full) for name in FAULTS), *(Job("variant", name) for name in VARIANTS), *shared,
+            *nulls]
+
+
+@cache
+def source_digest() -> str:
+    """SHA-256 of the chain, the checks and what they lean on, faults, variants, this file and the golden set."""
+    here = Path(__file__).parent
+    judges = ("cubes", "expected", "judging", "statistics", "registry", "subject", "inprocess", "declaration",
+              "verdict", "faults", "variants", "strength", "../altered")
+    sources = [*(here / f"{name}.py" for name in judges), *sorted((here / "checks").glob("*.py"))]
+    golden = resources.files("leakref._golden").joinpath("v1", "manifest.json").read_bytes()
+    return hashlib.sha256(b"\0".join([*(path.read_bytes() for path in sources), golden,
+                                      runs.source_digest().encode()])).hexdigest()
+
+
+def compute(job: Job) -> dict[str, Any]:
+    """The record of one job, the same in any process."""
+    with runs.one_thread():
+        if job.kind == "fault":
+            return fault_record(FAULTS[job.id], full=job.full)
+        return variant_record(job.id, job.seed) if job.kind == "variant" else {"id": job.id, "errors": _errors(job.id)}
+
+
+# ---------------------------------------------------------------- faults
+
+def fault_record(fault: Fault, *, full: bool = False,
+                 make: Callable[[str], Any] = faults.implementation) -> dict[str, Any]:
+    """What kills a fault, and by how much it exceeds the tolerance of its witness.
+
+    Its witness is asked first, then the family meant for it until something there kills it; with `full` every check of
+    the quick profile is asked. `over` holds the effect over tolerance by finding.
+    """
+    everything = chosen(profile="full")
+    witness = [pair for pair in everything if _name(pair) == fault.witness]
+    asked = [*witness, *(chosen(profile="quick") if full else ())]
+    own = sorted((pair for pair in everything if pair[0].family == fault.family), key=lambda pair: not pair[1].quick)
+    over: dict[str, float] = {}
+    for pair in [*asked, *own]:
+        if _name(pair) not in over and (pair in asked or not _killers(over, fault.family)):
+            over[_name(pair)] = _over(pair[0](InProcess(make(fault.id)), pair[1]))
+    killers = _killers(over, fault.family)
+    return {"id": fault.id, "family": fault.family, "killed_by": killers[0] if killers else None,
+            "effect_over_tolerance": over.get(fault.witness), "witness": fault.witness, "over": over}
+
+
+def _name(pair: tuple[Check, Case]) -> str:
+    return f"{pair[0].id}[{pair[1].id}]"
+
+
+def _over(finding: Finding) -> float:
+    """Effect over tolerance; what broke or gave no number is beyond all measure, what was not judged is none."""
+    if finding.verdict in (Verdict.MISSING, Verdict.UNSUPPORTED):
+        return 0.0
+    if finding.over is None or not np.isfinite(finding.over):
+        return NEVER
+    return min(finding.over, NEVER)
+
+
+def _killers(over: Mapping[str, float], family: str) -> list[str]:
+    return [name for name, value in over.items() if value > 1 and name.partition(".")[0] == family]
+
+
+def _kills(record: Mapping[str, Any]) -> dict[str, float]:
+    """Families that kill it, with their largest effect over tolerance."""
+    found: dict[str, float] = {}
+    for name, value in record["over"].items():
+        family = name.partition(".")[0]
+        if value > 1:
+            found[family] = max(value, found.get(family, 0.0))
+    return found
+
+
+def classes(records: Iterable[Mapping[str, Any]]) -> list[list[str]]:
+    """Faults that no check tells apart: the same effect on every finding, to a thousandth of it or a hundredth of a
+    tolerance."""
+    groups: list[tuple[Mapping[str, float], list[str]]] = []
+    for record in records:
+        over = record["over"]
+        for first, members in groups:
+            if first.keys() == over.keys() and np.allclose([first[name] for name in over], list(over.values()),
+                                                           rtol=1e-3, atol=1e-2):
+                members.append(record["id"])
+                break
+        else:
+            groups.append((over, [record["id"]]))
+    return [members for _, members in groups if len(members) > 1]
+
+
+def _families(records: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """For each family: how many faults are meant for it, how many it kills, and which live if it is switched off."""
+    kills = {record["id"]: set(_kills(record)) for record in records}
+    return [{"family": family, "meant": sum(r["family"] == family for r in records),
+             "kills": sum(family in by for by in kills.values()),
+             "only": [name for name, by in kills.items() if by == {family}]} for family in FAMILIES]
+
+
+# ---------------------------------------------------------------- variants
+
+def _turned(current: Current | None, turn: FloatArray) -> Any:
+    def by(velocity: Sequence[float]) -> tuple[float, float]:
+        u, v = (turn @ np.asarray(velocity)).tolist()
+        return u, v
+
+    if isinstance(current, LinearCurrent):
+        return LinearCurrent(by(current.surface), by(current.shear))
+    if isinstance(current, ExponentialCurrent):
+        return replace(current, surface=by(current.surface))
+    assert current is None or isinstance(current, UniformCurrent)
+    return UniformCurrent(by(current.velocity) if current else (0.0, 0.0))
+
+
+@contextmanager
+def fresh(seed: int) -> Iterator[None]:
+    """Within it the checks see other water: every sea with new phases, on a new grid, turned or mirrored as a whole.
+
+    Sizes change by up to three samples and lengths by up to 8 %; every pair of waves is turned with the seas, and its
+    current moved by up to 0.03 c0 along each axis. The same seed is the same water.
+    """
+    rng = np.random.default_rng(seed)
+    turn, moved = _TURNS[rng.integers(8)], rng.uniform(-0.03, 0.03, 2)
+    grids: dict[Grid, Grid] = {}
+    sea, pair = cubes.sea, cubes.pair
+
+    def other(grid: Grid) -> Grid:
+        if grid not in grids:
+            sizes = [n + int(rng.integers(-3, 4)) for n in grid.shape]
+            steps = [d * n / m * rng.uniform(1, 1.08) for d, n, m in zip(grid.spacing, grid.shape, sizes, strict=True)]
+            grids[grid] = Grid((sizes[0], sizes[1], sizes[2]), (steps[0], steps[1], steps[2]))
+        return grids[grid]
+
+    def fresh_sea(direction: float, spread: float, current: Current | None = None, *, realization: int = 0,
+                  grid: Grid = cubes.SEA, **rest: Any) -> cubes.Cube:
+        x, y = turn @ np.array(cubes.polar(1.0, direction))
+        return sea(float(np.degrees(np.arctan2(y, x))), spread, _turned(current, turn),
+                   realization=realization + 1000 * (seed + 1), grid=other(grid), **rest)
+
+    def fresh_pair(grid: Grid, first: tuple[int, int], second: tuple[int, int],
+                   near: tuple[float, float]) -> cubes.Cube:
+        one, two = ((int(i), int(j)) for i, j in (turn @ np.array([first, second]).T).T)
+        u, v = (turn @ np.array(near) + moved).tolist()
+        return pair(grid, one, two, (u, v))
+
+    vars(cubes).update(sea=fresh_sea, pair=fresh_pair)
+    try:
+        yield
+    finally:
+        vars(cubes).update(sea=sea, pair=pair)
+
+
+def variant_record(identifier: str, seed: int | None = None, *,
+                   make: Callable[[str], Any] = variants.implementation) -> dict[str, Any]:
+    """The checks of the quick profile that a variant should pass and does not, on their own inputs or on fresh ones."""
+    exact = VARIANTS[identifier].grade == "conformant" if identifier in VARIANTS else False
+    if seed is None:
+        pairs = [pair for pair in chosen(profile="quick") if exact or pair[0].family != "conformance"]
+        found = [check(InProcess(make(identifier)), case) for check, case in pairs]
+    else:
+        pairs = [pair for pair in chosen(profile="quick") if pair[0].family in _SEEN]
+        with fresh(seed):
+            found = [check(InProcess(make(identifier)), case) for check, case in pairs]
+    wrong = [f for f in found if f.verdict in _WRONG]
+    return {"id": identifier, "seed": seed, "checks": sum(f.verdict is Verdict.PASS for f in found) + len(wrong),
+            "wrong": {f.id: f.message for f in wrong}}
+
+
+# ---------------------------------------------------------------- false alarms
+
+def _seas() -> dict[str, Mapping[str, Any]]:
+    """The seas of the statistical check by name, without the number of realisations."""
+    chosen()  # loads the checks
+    return {case.id.rpartition("-")[0]: case.given for case in CHECKS["leakage.bias"].cases}
+
+
+def _errors(name: str) -> dict[str, Any]:
+    """Of stored realisations of a sea: mean |c - U| over the unflagged shells by method, and the smaller resolution."""
+    given = _seas()[name]
+    current = UniformCurrent(cubes.polar(given["speed"], given["direction"] + 70))
+    errors: dict[str, list[float]] = {"nsp": [], "ls": []}
+    for number in range(_STORED):
+        cube = cubes.sea(given["direction"], given["spread"], current, realization=10_000 + number)
+        answers = fast.realize(cube.components, cube.grid, cube.wavenumbers, windows=("hann",), methods=tuple(errors))
+        for method, kept in errors.items():
+            answer = answers["hann", method]
+            clear = np.array([not note for note in answer.notes])
+            if clear.any():
+                kept.append(float(np.hypot(*(answer.velocities - cube.truth)[clear].T).mean()))
+    return {**errors, "resolution": float(cube.resolutions[0].mean())}
+
+
+def false_alarms(errors: Mapping[str, Mapping[str, Any]], resamplings: int = RESAMPLINGS) -> dict[str, Any]:
+    """How often a whole run of the statistical checks rejects a code that is no worse than the margin allows.
+
+    Under the null hypothesis the code's errors are those of the reference in other realisations than the reference is
+    given, plus the whole margin: no code that is allowed is rejected more often. A second count leaves the margin out.
+    """
+    from leakref.certify.checks.leakage import MARGIN
+
+    rng = np.random.default_rng(0)
+    alarmed = {"at_margin": np.zeros(resamplings, dtype=bool), "as_good": np.zeros(resamplings, dtype=bool)}
+    tests = [(case.id.rpartition("-")[0], case.given["count"]) for case in CHECKS["leakage.bias"].cases]
+    methods = ("nsp", "ls")
+    for name, count in tests:
+        margin = MARGIN * errors[name]["resolution"]
+        for method in methods:
+            stored = np.array(errors[name][method])
+            i = rng.integers(0, stored.size, (resamplings, count))
+            j = (i + rng.integers(1, stored.size, i.shape)) % stored.size
+            d = stored[i] - stored[j]
+            room = student.isf(share(len(methods)), count - 1) * d.std(axis=1, ddof=1) / np.sqrt(count)
+            alarmed["at_margin"] |= d.mean(axis=1) > room
+            alarmed["as_good"] |= d.mean(axis=1) > margin + room
+    return {"resamplings": resamplings, "tests": len(tests) * len(methods), "nominal": FALSE_ALARMS,
+            **{name: _rate(int(which.sum()), resamplings) for name, which in alarmed.items()}}
+
+
+def _rate(alarms: int, resamplings: int) -> dict[str, Any]:
+    """With its Clopper-Pearson interval at 95 %."""
+    interval = binomtest(alarms, resamplings).proportion_ci(method="exact")
+    return {"alarms": alarms, "rate": alarms / resamplings, "interval": [float(interval.low), float(interval.high)]}
+
+
+# ---------------------------------------------------------------- the study
+
+def study(*, full: bool = False, work: Path | None = None, executor: Executor | None = None,
+          after_each: Callable[[], object] = lambda: None) -> dict[str, Any]:
+    """The record of the whole study (CONTRACT.md, `leakref strength`).
+
+    Jobs go to `executor` (default: this process). With a folder `work` each result is written there as it comes, and
+    what is already there is not computed again. Results do not depend on the executor or the order of completion.
+    """
+    todo = jobs(full=full)
+    done = {job: record for job in todo if (record := _stored(job, work)) is not None}
+    for _ in done:
+        after_each()
+    for job, record in _computed([job for job in todo if job not in done], executor):
+        done[job] = record
+        if work is not None:
+            _store(job, work, record)
+        after_each()
+    by_kind = {kind: [done[job] for job in todo if job.kind == kind] for kind in ("fault", "variant", "null")}
+    return _summary(by_kind["fault"], by_kind["variant"], {r["id"]: r["errors"] for r in by_kind["null"]}, full=full)
+
+
+def _computed(waiting: Sequence[Job], executor: Executor | None) -> Iterator[tuple[Job, dict[str, Any]]]:
+    if executor is None:
+        yield from ((job, plain(compute(job))) for job in waiting)
+        return
+    futures = {executor.submit(compute, job): job for job in waiting}
+    for future in as_completed(futures):
+        yield futures[future], plain(future.result())
+
+
+def _stored(job: Job, work: Path | None) -> dict[str, Any] | None:
+    if work is None:
+        return None
+    try:
+        kept = json.loads(job.path(work).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
+    return kept["record"] if isinstance(kept, dict) and kept.get("job") == asdict(job) else None
+
+
+def _store(job: Job, work: Path, record: Mapping[str, Any]) -> None:
+    text = dump({"job": asdict(job), "record": record})
+    write_whole(job.path(work), lambda path: path.write_text(text, encoding="utf-8"))
+
+
+def _summary(killed: Sequence[Mapping[str, Any]], trials: Sequence[Mapping[str, Any]],
+             errors: Mapping[str, Any], *, full: bool) -> dict[str, Any]:
+    mutants = [{**{key: value for key, value in r.items() if key != "over"},
+                "words": FAULTS[r["id"]].words, "kills": _kills(r)} for r in killed]
+    judged = [{"id": name, "grade": VARIANTS[name].grade, "words": VARIANTS[name].words,
+               "rejected": sum(bool(t["wrong"]) for t in own), "runs": len(own),
+               "checks": sum(t["checks"] for t in own),
+               "wrong": [{"seed": t["seed"], **{"id": k, "message": v}} for t in own for k, v in t["wrong"].items()]}
+              for name in VARIANTS if (own := [t for t in trials if t["id"] == name])]
+    record: dict[str, Any] = {"full": full, "faults": mutants, "variants": judged}
+    if full:
+        record |= {"families": _families(killed), "classes": classes(killed), "false_alarms": false_alarms(errors)}
+    return record | {"problems": problems(record)}
+
+
+def problems(record: Mapping[str, Any]) -> list[str]:
+    """Where the suite falls short, in words; empty if it holds."""
+    said = []
+    for r in record["faults"]:
+        effect = r["effect_over_tolerance"]
+        others = sorted(set(r["kills"]) - {"conformance"})
+        if r["killed_by"] is None:
+            said.append(f"the fault {r['id']} survives the checks of {r['family']}")
+        elif effect is None or effect < DISTINCT:
+            said.append(f"the effect of {r['id']} on {r['witness'] or 'no witness'} is {effect} times the tolerance")
+        if r["family"] == "conformance" and others:
+            said.append(f"the fault {r['id']} leaves a code sound, and {', '.join(others)} rejects it")
+    for v in record["variants"]:
+        if v["rejected"]:
+            said.append(f"the variant {v['id']} was rejected {v['rejected']} times in {v['runs']} runs, by "
+                        f"{', '.join(sorted({row['id'] for row in v['wrong']}))}")
+    said += [f"no fault lives if {row['family']} is switched off" for row in record.get("families", ())
+             if not row["only"]]
+    alarms = record.get("false_alarms")
+    if alarms and alarms["at_margin"]["interval"][0] > alarms["nominal"]:
+        said.append(f"false alarms are at {alarms['at_margin']['rate']:.1e}, above {alarms['nominal']}")
+    return said
+
+
+def run(*, full: bool = False, out: Path = Path("leakref-results/strength"), workers: int = 2,
+        json: bool = False) -> int:
+    """The command: study, print, write `strength.json` into `out`; 0 if the suite holds, 1 if it falls short."""
+    work = folder(out) / "work"
+    with runs.pool(workers) as executor, progress_bar("strength", len(jobs(full=full))) as step:
+        found = study(full=full, work=work, executor=executor, after_each=step)
+    record = envelope("strength", not found["problems"], **found)
+    write_whole(out / "strength.json", lambda path: path.write_text(pretty(record), encoding="utf-8"))
+    if json:
+        print(dump(record))
+    else:
+        show(record)
+    return 0 if record["ok"] else 1
+
+
+def pretty(record: Mapping[str, Any]) -> str:
+    """As it is committed: an item of a list to a line, numbers to four digits, so that changes can be read."""
+
+    def short(value: Any) -> Any:
+        if isinstance(value, float):
+            return float(f"{value:.4g}")
+        if isinstance(value, dict):
+            return {key: short(item) for key, item in value.items()}
+        return [short(item) for item in value] if isinstance(value, list) else value
+
+    def block(value: Any) -> str:
+        if isinstance(value, list) and value:
+            return "[\n  " + ",\n  ".join(dump(item) for item in value) + "]"
+        return dump(value)
+
+    return "{" + ",\n".join(f'"{key}": {block(short(plain(value)))}' for key, value in record.items()) + "}\n"
+
+
+def show(record: Mapping[str, Any]) -> None:
+    """Tables on standard output."""
+    from rich.console import Console
+    from rich.table import Table
+
+    print_ = Console().print
+    matrix = Table(title="Faults: effect over tolerance, by the family that kills", header_style="bold")
+    matrix.add_column("fault")
+    matrix.add_column("meant for")
+    matrix.add_column("witness")
+    matrix.add_column("effect", justify="right")
+    if record["full"]:
+        for family in FAMILIES:
+            matrix.add_column(family[:6], justify="right")
+    for r in record["faults"]:
+        effect = "-" if r["effect_over_tolerance"] is None else f"{r['effect_over_tolerance']:.3g}"
+        row = [r["id"], r["family"], r["witness"], effect if r["killed_by"] else "[red]lives[/]"]
+        cells = [f"{r['kills'][f]:.2g}" if f in r["kills"] else "" for f in FAMILIES] if record["full"] else []
+        matrix.add_row(*row, *cells)
+    print_(matrix)
+    correct = Table(title="Variants: correct codes that must not be rejected", header_style="bold")
+    for name in ("variant", "grade", "runs", "rejected"):
+        correct.add_column(name, justify="right" if name in ("runs", "rejected") else "left")
+    for v in record["variants"]:
+        rejected = f"[red]{v['rejected']}[/]" if v["rejected"] else "0"
+        correct.add_row(v["id"], v["grade"], str(v["runs"]), rejected)
+    print_(correct)
+    for row in record.get("families", ()):
+        print_(f"without {row['family']}: {len(row['only'])} of {row['kills']} faults that it kills live")
+    if alarms := record.get("false_alarms"):
+        rate = alarms["at_margin"]
+        print_(f"false alarms in a whole run: {rate['rate']:.2e} (95 %: {rate['interval'][0]:.1e} to "
+               f"{rate['interval'][1]:.1e}) of {alarms['resamplings']} resamplings")
+    for line in record["problems"]:
+        print_(f"[red]{line}[/]")

@@ -1,0 +1,111 @@
+"""What is examined, as a property sees it, and how near is near enough."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from hypothesis import reject
+
+from leakref import chain
+from leakref._base import FloatArray
+from leakref.certify.cubes import Cube
+from leakref.certify.expected import unflagged
+from leakref.certify.judging import FRACTION, vector
+from leakref.certify.inprocess import InProcess
+from leakref.certify.subject import Subject
+from leakref.certify.verdict import Unanswered, Verdict
+
+__all__ = ["PRECISION", "SINGLE", "Examined", "same"]
+
+PRECISION = 1e-10
+"""In c0, of the reference: ten times what DESIGN.md allows in shells without a note, since small cubes are less sharp."""
+SINGLE = 1e-5
+"""Relative: what single precision may lose, some hundred roundings of 6e-8."""
+
+
+@dataclass(frozen=True, eq=False)
+class Examined:
+    """An implementation, and the rooms of the chain behind it: None if it is not the reference, or that with a fault.
+
+    `is_reference`: held to rounding.
+    """
+
+    subject: Subject
+    rooms: Any = None
+    is_reference: bool = False
+
+    def offered(self, stage: str, **asked: str) -> None:
+        """Skip, with the reason, what it does not offer."""
+        if not self.subject.offers(stage, **asked):
+            what = ", ".join(f"{name} {value}" for name, value in asked.items())
+            pytest.skip(f"{self.subject.declaration.name} does not offer {stage}{f' with {what}' * bool(what)}")
+
+    def methods(self, *, band: bool = True) -> Sequence[str]:
+        """Its extractions; skips without any, or, unless `band`, if there is one velocity for all wavenumbers."""
+        self.offered("extract")
+        if self.subject.declaration.band and not band:
+            pytest.skip("gives one velocity for the whole band")
+        return self.subject.declaration.methods
+
+    def windows(self) -> Sequence[str]:
+        """Under which it can extract: box and Hann of those offered, or else the first one."""
+        self.offered("extract")
+        own = self.subject.declaration.windows
+        return [name for name in ("hann", "box") if name in own] or own[:1]
+
+    def ask(self, stage: str, *args: Any, **settings: Any) -> Any:
+        """Call a stage of the subject: skip what is unsupported, drop the example if declined, fail otherwise."""
+        try:
+            return getattr(self.subject, stage)(*args, **settings)
+        except Unanswered as nothing:
+            if nothing.verdict is Verdict.UNSUPPORTED:
+                pytest.skip(str(nothing))
+            if nothing.verdict is Verdict.MISSING:
+                reject()
+            raise AssertionError(f"{nothing.verdict}: {nothing}") from nothing
+        finally:
+            self.subject.calls.clear()
+
+    def velocities(self, surface: FloatArray, cube: Cube, window: str, method: str, *,
+                   spacing: Sequence[float] | None = None, scale: float = 1.0) -> FloatArray:
+        """Velocities (n, 2) of a surface, sampled and asked for as `cube` is unless said otherwise."""
+        found = self.ask("extract", np.ascontiguousarray(surface), spacing or cube.spacing, cube.wavenumbers,
+                         window=window, method=method, scale=scale)
+        return np.asarray(found.values)
+
+
+def _noted(surface: FloatArray, spacing: Sequence[float], cube: Cube, window: str, method: str) -> npt.NDArray[np.bool_]:
+    """Where the literal chain has something to note of a surface, (n,)."""
+    found = chain.extract(surface, tuple(spacing), cube.wavenumbers, window=window, method=method)  # type: ignore[arg-type]
+    return np.array([bool(note) for note in found.notes])
+
+
+def same(examined: Examined, cube: Cube, window: str, method: str, found: FloatArray, should: FloatArray,
+         changed: tuple[FloatArray, Sequence[float]] | None = None, *, exact: float = PRECISION) -> None:
+    """Fail unless velocities (n, 2) agree: the reference to `exact` c0, others to a tenth of the smaller resolution.
+
+    In shells of which the reference has nothing to note, in the cube and in the `changed` surface with its spacing. A
+    tenth: room for an optimiser that stops early and for single precision. Resolutions are those of eq:dcdwk.
+    """
+    known = unflagged(cube, window, method) & np.isfinite(found).all(axis=1) & np.isfinite(should).all(axis=1)
+    allowed = np.full(known.size, exact) if examined.is_reference else FRACTION * cube.resolutions[0]
+    error = np.hypot(*(found - should).T)
+    bad = known & ~(error <= allowed)
+    if bad.any() and changed is not None:
+        bad &= ~_noted(*changed, cube, window, method)  # the start simplex does not turn with the sea: another basin
+    if bad.any():
+        n = int(np.flatnonzero(bad)[0])
+        raise AssertionError(f"{method}, {window}: got {vector(found[n])} at k = {cube.wavenumbers[n]:.4g}, but should be "
+                             f"{vector(should[n])}, within {allowed[n]:.2g} [{error[n]:.3g} off]")
+
+
+def reference() -> Examined:
+    """The built-in implementation, with its rooms."""
+    import leakref.leakage, leakref.leastsquares, leakref.nsp  # noqa: E401
+
+    return Examined(InProcess(chain.reference), leakref, is_reference=True)

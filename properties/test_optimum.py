@@ -1,0 +1,136 @@
+"""The optimum: it is one, it is where the equations say, and it does not depend on what else is asked for."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from hypothesis import assume, example, given, strategies as st
+
+from leakref import Grid
+from leakref.certify.cubes import Cube
+from leakref.properties.examined import Examined, same
+from leakref.properties.strategies import currents, examples, grids, seas
+
+
+def shells(rooms: Any, cube: Cube, window: str) -> list[Any]:
+    """The shells of a cube, by the closed form."""
+    spectrum = rooms.leakage.spectrum(cube.components, cube.grid, window)
+    return [rooms.shell.shell_at(spectrum, k) for k in cube.wavenumbers]
+
+
+@examples(15)
+@given(cube=seas(shells=1), window=st.sampled_from(("box", "hann")))
+def test_the_score_is_stationary_and_curved_downwards(rooms: Any, cube: Cube, window: str) -> None:
+    """At an optimum without a note a Newton step, by differences of N alone, is below 1e-7 c0, the Hessian so formed is
+    negative, and eight points 1e-3 c0 around score less. 1e-7: differences over h = 1e-3 of fourth order err by h^4 in
+    the gradient, 1e-12, and by rounding, 1e-16 / h, over a curvature of at least 0.05."""
+    shell, = shells(rooms, cube, window)
+    width = rooms.nsp.WIDTH * cube.grid.frequency_resolution
+    c, n, _, _, _, note = rooms.nsp.optimum(shell, width, 1.0)
+    assume(not note.value)
+
+    def score(u: float, v: float) -> float:
+        return float(rooms.nsp.normalized_scalar_product(shell, c + [u, v], width))
+
+    h = 1e-3
+    slope = np.array([(8 * (score(*(h * e)) - score(*(-h * e))) - score(*(2 * h * e)) + score(*(-2 * h * e))) / (12 * h)
+                      for e in np.eye(2)])
+    xx, yy = ((score(*(h * e)) - 2 * score(0, 0) + score(*(-h * e))) / h**2 for e in np.eye(2))
+    xy = (score(h, h) - score(h, -h) - score(-h, h) + score(-h, -h)) / (4 * h**2)
+    hessian = np.array([[xx, xy], [xy, yy]])
+    assert n == score(0, 0)
+    assert np.linalg.eigvalsh(hessian)[1] < 0
+    assert np.hypot(*np.linalg.solve(hessian, slope)) < 1e-7
+    around = [score(h * np.cos(a), h * np.sin(a)) for a in np.arange(8) * np.pi / 4]
+    assert max(around) < n
+
+
+@examples(60)
+@given(grid=grids(9), seed=st.integers(0, 10**6), velocity=currents(2.0), width=st.floats(0.5, 6.0))
+@example(grid=Grid((7, 8, 9), (1.0, 1.1, 0.7)), seed=0, velocity=(0.3, -0.2), width=4.0)
+@example(grid=Grid((8, 7, 8), (1.0, 1.1, 0.7)), seed=0, velocity=(0.3, -0.2), width=4.0)
+def test_the_half_space_stands_for_the_whole(rooms: Any, grid: Grid, seed: int, velocity: tuple[float, float],
+                                             width: float) -> None:
+    """N over omega >= 0 with weights (decision D5) is N of eq:normSp summed over the whole space, odd or even in size:
+    to 1e-11 relative, positive terms of exponents up to some hundred."""
+    k = 2.2 * grid.wavenumber_resolution
+    assume(k + 2.1 * grid.wavenumber_resolution < min(grid.nyquist[:2]))
+    surface = np.random.default_rng(seed).standard_normal(grid.shape)
+    spectrum = rooms.spectrum.fourier(surface, grid, "box", workers=1)
+    a = width * grid.frequency_resolution
+    kx, ky, omega = (2 * np.pi * np.fft.fftfreq(n, d) for n, d in zip(grid.shape, grid.spacing, strict=True))
+    kx, ky = (q[:, :, None] for q in np.meshgrid(kx, ky, indexing="ij"))
+    inside = np.abs(np.hypot(kx, ky)[:, :, 0] - k) / grid.wavenumber_resolution <= 2 + 1e-9
+    shift, rest = kx * velocity[0] + ky * velocity[1], np.sqrt(np.hypot(kx, ky))
+    if grid.shape[2] % 2 == 0:  # half of the plane at -Nyquist stands at +Nyquist
+        omega = np.append(omega, -omega[grid.shape[2] // 2])
+    count = np.where(2 * np.abs(np.rint(omega / grid.frequency_resolution)) == grid.shape[2], 0.5, 1.0)
+    f = np.abs(spectrum.whole())
+    f = np.append(f, f[:, :, grid.shape[2] // 2][:, :, None], axis=2)[:, :, : omega.size]
+    mirrored = np.roll(f[::-1, ::-1], (1, 1), (0, 1))[:, :, -1]
+    if grid.shape[2] % 2 == 0:
+        f[:, :, -1] = mirrored
+    g = sum(np.exp(-2 * ((omega - shift - sign * rest) / a) ** 2) for sign in (-1, 1))
+    g, f = g[inside] * count, f[inside]
+    assume(g.sum() > 1e-200)
+    literal = (g * f).sum() / (g.sum() * (f * count).sum()) * count.sum() * inside.sum()
+    shell = rooms.shell.shell_at(spectrum, k)
+    assert abs(rooms.nsp.normalized_scalar_product(shell, velocity, a) / literal - 1) < 1e-11
+
+
+@examples(40)
+@given(cube=seas(shells=1, fastest=0.6), velocity=currents(0.8), window=st.sampled_from(("box", "hann")))
+def test_derivatives_of_the_score_are_its_differences(rooms: Any, cube: Cube, velocity: tuple[float, float],
+                                                      window: str) -> None:
+    """At any velocity, gradient and Hessian against differences of fourth order of N and of the gradient over 1e-3 c0: to
+    1e-6 of the largest, the fifth derivative being some (4 k / a)^5 N and the step to the fourth 1e-12."""
+    shell, = shells(rooms, cube, window)
+    width, h = rooms.nsp.WIDTH * cube.grid.frequency_resolution, 1e-3
+    c = np.array(velocity)
+    _, gradient, hessian = rooms.nsp.score_derivatives(shell, c, width)
+
+    def difference(f: Any, e: Any) -> Any:
+        return (8 * (f(c + h * e) - f(c - h * e)) - f(c + 2 * h * e) + f(c - 2 * h * e)) / (12 * h)
+
+    steep = width / shell.wavenumber  # over which N changes by its own size
+    slope = [difference(lambda v: rooms.nsp.normalized_scalar_product(shell, v, width), e) for e in np.eye(2)]
+    bend = [difference(lambda v: rooms.nsp.score_derivatives(shell, v, width)[1], e) for e in np.eye(2)]
+    assert np.abs(gradient - slope).max() * steep < 1e-6
+    assert np.abs(hessian - bend).max() * steep**2 < 1e-6
+
+
+@examples(30)
+@given(cube=seas(shells=1, narrowest=45.0), window=st.sampled_from(("box", "hann")))
+def test_least_squares_satisfies_its_normal_equations(rooms: Any, cube: Cube, window: str) -> None:
+    """sum of k (k.c - (omega - omega0)) = 0 over the bins with omega >= 0 and P at least a fifth of the shell's largest
+    (eq:LS1, decisions D7 and D19), collected bin by bin: to 1e-12 of the sum of the sizes of its terms."""
+    spectrum = rooms.leakage.spectrum(cube.components, cube.grid, window)
+    c, = rooms.leastsquares.extract(spectrum, cube.wavenumbers).velocities
+    assume(np.isfinite(c).all())
+    kx, ky = (q[:, :, None] for q in np.meshgrid(spectrum.kx, spectrum.ky, indexing="ij"))
+    k = np.hypot(kx, ky)
+    omega = np.arange(cube.grid.shape[2] // 2 + 1) * 2 * np.pi / cube.grid.lengths[2]
+    dk = max(2 * np.pi / n for n in cube.grid.lengths[:2])
+    power = np.where(np.abs(k - cube.wavenumbers[0]) <= (2 + 1e-9) * dk, np.abs(spectrum.values) ** 2, 0)
+    strong = power >= 0.2 * power.max()
+    assume(np.abs(power / power.max() - 0.2).min() > 1e-9)
+    residual = np.where(strong, kx * c[0] + ky * c[1] - (omega - np.sqrt(k)), 0)
+    for along in (kx, ky):
+        assert abs((along * residual).sum()) < 1e-12 * (np.abs(along) * np.abs(omega) * strong).sum()
+
+
+@examples(12)
+@given(cube=seas(shells=4), data=st.data())
+def test_splitting_and_permuting_the_wavenumbers_changes_nothing(examined: Examined, cube: Cube,
+                                                                 data: st.DataObject) -> None:
+    """Shells are independent of each other: exact in the reference, others a tenth of the smaller resolution."""
+    order = data.draw(st.permutations(range(4)), label="order")
+    cut = data.draw(st.integers(1, 3), label="cut")
+    window, method = examined.windows()[0], data.draw(st.sampled_from(list(examined.methods(band=False))))
+    should = examined.velocities(cube.surface, cube, window, method)
+    found = np.empty_like(should)
+    for part in (order[:cut], order[cut:]):
+        some = Cube(cube.components, cube.grid, cube.wavenumbers[list(part)], cube.current)
+        found[list(part)] = examined.velocities(cube.surface, some, window, method)
+    same(examined, cube, window, method, found, should, exact=0.0)

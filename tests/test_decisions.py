@@ -1,0 +1,224 @@
+"""Decisions: every variant is what it says in both chains, and its effect is counted as it should be."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, replace
+from itertools import product
+
+import numpy as np
+import pytest
+
+from leakref import LeakrefError, fast
+from leakref.cases import CASES, Configuration
+from leakref.claims import decisionscommand, shifts
+from leakref.claims.registry import Claim
+from leakref.claims.shifts import Shifts, moving, rejudged, study, velocities
+from leakref.claims.stored import stored_decision, stored_decisions
+from leakref.claims.variants import CONFIGURATIONS, NONE, VARIANTS
+from leakref.claims.words import above, bias, every
+from leakref.decisions import DECISIONS
+from leakref.ensemble import Ensemble
+from leakref.shell import Note
+
+SMALL = Configuration("small", direction=60, spread=45, length=3, duration=5, speed=0.1, current_direction=20,
+                      rotation=30, windows=("box", "hann", "kaiser-bessel"))
+QUICK = {"edge-bins-out", "cut-at-3", "threshold-of-amplitude", "encounter-frequency", "other-sense", "about-corner",
+         "symmetric-hann", "kaiser-2-pi", "ls-early-stop"}  # nothing to compile
+ACTS_NOT = {"large-simplex", "newton-from-rest", "unit-by-shell"}  # on this sea: they all climb the same hill
+
+
+@pytest.fixture(scope="module")
+def reference():
+    return fast.realize(SMALL.components(0), SMALL.grid, SMALL.wavenumbers, windows=SMALL.windows, search=False)
+
+
+def literal(variant, configuration):
+    """What the altered literal chain gives, by surface and FFT, (w, m, n, 2)."""
+    chain = variant.chain
+    own = chain.cases.Configuration(**asdict(configuration))
+    windows = tuple(name for name in configuration.windows if name in variant.windows)
+    spectra = chain.chain.transform(own.components(0), own.grid, windows, route="A")
+    return np.array([[chain.chain.analyse(s, own.wavenumbers, method=m, search=False).velocities
+                      for m in variant.methods] for s in spectra])
+
+
+@pytest.mark.parametrize("id", [id if id in QUICK else pytest.param(id, marks=pytest.mark.slow)
+                                for id, variant in VARIANTS.items() if not variant.setting.resampled])
+def test_a_variant_is_the_same_in_the_compiled_and_in_the_literal_chain(id, reference):
+    variant = VARIANTS[id]
+    found, wanted = velocities(variant, SMALL, 0), literal(variant, SMALL)
+    found = found[:, :, -wanted.shape[2] :]  # other-shells lists fewer
+    np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-11)  # NaN where the other has it
+    plain = np.array([[reference[w, m].velocities for m in variant.methods]
+                      for w in SMALL.windows if w in variant.windows])[:, :, -wanted.shape[2] :]
+    off = np.hypot(*np.moveaxis(wanted - plain, -1, 0))
+    acts = id not in {"other-shells", "printed-amplitudes", "ls-by-simplex"} | ACTS_NOT
+    assert (np.nanmax(off) > 1e-7 or np.isnan(off).any()) == acts
+
+
+def test_every_decision_has_a_variant_or_a_reason_for_none():
+    assert {v.decision for v in VARIANTS.values()} | set(NONE) == set(DECISIONS)
+    assert not {v.decision for v in VARIANTS.values()} & set(NONE)
+    known = {c.id for members in CASES.values() for c in members}
+    assert set(CONFIGURATIONS) <= known
+    assert len(set(CONFIGURATIONS)) == 8
+    for variant in VARIANTS.values():
+        assert set(variant.configurations) <= set(CONFIGURATIONS)
+
+
+def test_the_reasons_for_no_effect_are_true():
+    grids = [c.grid for members in CASES.values() for c in members]
+    assert all(grid.bin_widths[0] == grid.bin_widths[1] for grid in grids)  # D20
+    assert all(3.5 + 2 * grid.wavenumber_resolution < 0.6 * grid.nyquist[0] for grid in grids)  # D24
+    values = np.random.default_rng(1).normal(1, 0.1, (100, 3, 2))
+    e = ensemble(values)
+    assert e.random / np.std(e.magnitudes, axis=0) == pytest.approx(np.sqrt(100 / 99))  # D12, 0.5 %
+
+
+# ---- statistics, on shifts that are known
+
+
+def ensemble(values, notes=None, **parameters):
+    one = Configuration("made-up", windows=("box",), **parameters)
+    values = np.asarray(values, dtype=float)
+    notes = np.zeros(values.shape[:2], dtype=np.int64) if notes is None else np.asarray(notes)
+    return Ensemble(one, "box", "nsp", one.wavenumbers[: values.shape[1]], values, notes)
+
+
+def test_shifts_are_distances_and_flagged_shells_stand_apart():
+    before = np.zeros((3, 2, 2))
+    after = before.copy()
+    after[:, 0, 0], after[0, 1], after[1, 1] = 0.3, (3.0, 4.0), np.nan
+    s = Shifts(VARIANTS["edge-bins-out"], ensemble(before, [[0, Note.FLAT.value]] * 3), after)
+    np.testing.assert_allclose(s.moved[:, 0], 0.3)
+    assert s.moved[0, 1] == 5
+    row = shifts.summary([s], "one")
+    assert row["lost"] == 1
+    assert row["unflagged"]["shells"] == row["unflagged"]["moved"] == 3
+    assert row["unflagged"]["c0"] == {"median": 0.3, "p95": 0.3, "largest": 0.3}
+    assert row["unflagged"]["resolution"]["largest"] == pytest.approx(
+        0.3 / min(r[0] for r in ensemble(before).resolutions), rel=0.01)
+    assert row["flagged"]["shells"] == 2
+    assert row["flagged"]["moved"] == 1
+    assert row["flagged"]["c0"] == {"median": 2.5, "p95": 4.75, "largest": 5}
+
+
+def test_the_change_of_the_error_is_paired_and_against_the_current():
+    noise = np.random.default_rng(2).normal(0, 1, (5, 3, 1)) * np.array([0, 0.01])
+    before = ensemble(np.array([0, 0.3]) + noise, speed=0.1, current_direction=90.0)
+    row = shifts.summary([Shifts(VARIANTS["edge-bins-out"], before, np.array([0, 0.35]) + noise)], "one")
+    assert row["bias_change"]["mean"] == pytest.approx(0.05)
+    assert row["bias_change"]["standard_error"] < 1e-12
+    assert shifts.summary([Shifts(VARIANTS["edge-bins-out"], before, np.full((5, 3, 2), np.nan))],
+                          "one")["bias_change"] is None
+
+
+def test_a_sea_turned_the_other_way_is_turned_back_before_it_is_compared():
+    c, s = np.cos(np.radians(30)), np.sin(np.radians(30))
+    there, back = np.array([[[c, s]]]), np.array([[[c, -s]]])  # (1, 0) turned by 30 degrees either way
+    before = ensemble(there, rotation=30.0, speed=1.0)
+    np.testing.assert_allclose(Shifts(VARIANTS["other-sense"], before, back).moved, 0, atol=1e-15)
+    np.testing.assert_allclose(Shifts(VARIANTS["about-corner"], before, back).moved, 1)
+    np.testing.assert_allclose(Shifts(VARIANTS["other-sense"], before, back).better.values, 0, atol=1e-15)
+
+
+def test_what_moves_is_paired_not_flagged_and_beyond_a_tenth_of_the_resolution():
+    before, notes = np.zeros((2, 2, 2)), [[0, Note.FLAT.value]] * 2
+    limit = 0.1 * float(min(r[0] for r in ensemble(before).resolutions))
+
+    def found(id, first, second):
+        after = before.copy()
+        after[:, 0, 0], after[:, 1, 0] = first, second
+        return moving({id: [[Shifts(VARIANTS[id], ensemble(before, notes), after)]]})
+
+    assert found("edge-bins-out", 1.01 * limit, 0) == [VARIANTS["edge-bins-out"]]
+    assert found("edge-bins-out", 0.99 * limit, 1) == []
+    assert found("other-phases", 1, 1) == []
+    assert found("edge-bins-out", np.nan, 1) == []
+
+
+# ---- the study and the claims under it
+
+
+@pytest.fixture
+def eight(monkeypatch):
+    """The small sea as if it were one of the eight."""
+    monkeypatch.setattr(shifts, "configurations", lambda ids: [SMALL])
+    return replace(VARIANTS["both-halves"], configurations=(SMALL.id,)), replace(
+        VARIANTS["edge-bins-out"], configurations=(SMALL.id,), realizations=1)
+
+
+def test_a_study_is_kept_and_resumed(eight, tmp_path, monkeypatch):
+    first = study(eight, realizations=2, folder=tmp_path)
+    assert [s.reference.window for s in first["both-halves"][0]] == ["box", "hann"]
+    assert [s.moved.shape[0] for s in (first["both-halves"][0][0], first["edge-bins-out"][0][0])] == [2, 1]
+    own = np.array([velocities(eight[0], SMALL, number)[1, 0] for number in range(2)])
+    hann = first["both-halves"][0][1]
+    np.testing.assert_allclose(hann.moved, np.hypot(*np.moveaxis(own - hann.reference.velocities, -1, 0)), rtol=1e-12)
+    assert np.median(hann.moved) > 0.1
+    monkeypatch.setattr(shifts, "velocities", None)  # a second time nothing is computed
+    again = study(eight, realizations=2, folder=tmp_path)
+    np.testing.assert_array_equal(again["both-halves"][0][1].moved, hann.moved)
+
+
+def test_claims_that_turn_are_found_and_others_left_out(tmp_path):
+    def claim(id, method, limit, configuration=SMALL):
+        def predicate(see):
+            yield from every({}, large=above(bias(see(configuration, "hann", method)), limit))
+        return Claim(id, "", "", "", predicate)
+
+    bare = Claim("window", "", "", "", lambda see: every({}, good=above(bias(ensemble(np.ones((2, 1, 2)))))))
+    claims = [claim("turns", "ls", 0.3), claim("stays", "nsp", 1e-6), bare,
+              claim("elsewhere", "ls", 0.3, replace(SMALL, varied=("spread",)))]
+    found = rejudged([VARIANTS["both-halves"]], claims, realizations=3, folder=tmp_path, executor=None, ids=[SMALL.id])
+    assert [(one["id"], len(one["flipped"])) for one in found] == [("turns", 1), ("stays", 0)]
+    assert found[0]["decision"] == "D19"
+    assert (found[0]["before"], found[0]["verdict"]) == ("not reproduced", "reproduced")
+
+
+# ---- what is kept, and as a command
+
+
+def test_what_is_kept_covers_every_variant_on_every_sea():
+    kept = stored_decisions()
+    assert [record["id"] for record in kept["decisions"]] == list(DECISIONS)
+    assert kept["configurations"] == list(CONFIGURATIONS)
+    rows = {(v["id"], row["case"], row["method"], row["window"]): row for record in kept["decisions"]
+            for v in record["variants"] for row in v["rows"]}
+    assert {id for id, *_ in rows} == set(VARIANTS)
+    for v in VARIANTS.values():
+        for case, method, window in product(("all", *v.configurations), v.methods, v.windows):
+            assert rows[v.id, case, method, window]["realizations"] == min(20, v.realizations)
+    for id in ("other-shells", "printed-amplitudes"):  # by construction
+        assert all(row["unflagged"]["moved"] == 0 for (v, *_), row in rows.items() if v == id)
+    assert stored_decision("D4")["question"] == DECISIONS["D4"].question
+    assert stored_decision("D99") is None
+
+
+def test_what_is_kept_is_found_again():
+    """The cheapest of the eight seas, and the variants for which nothing need be compiled."""
+    ids = ("edge-bins-out", "cut-at-3", "threshold-of-amplitude", "threshold-of-all")
+    case = "L-T/L=5,T=10"
+    found = study([VARIANTS[id] for id in ids], (case,))
+    kept = {v["id"]: v["rows"] for record in stored_decisions()["decisions"] for v in record["variants"]}
+    for id in ids:
+        for s in found[id][0]:
+            row = shifts.summary([s], case)
+            assert row in kept[id], (id, row)
+
+
+def test_command_shows_what_is_kept(capsys, tmp_path):
+    arguments = {"realizations": 20, "place": tmp_path, "workers": 1, "full": False, "out": None}
+    assert decisionscommand.run(["d4"], figures=True, json=True, **arguments)
+    shown = json.loads(capsys.readouterr().out)
+    assert shown["schema"] == "leakref/claims/1"
+    assert [record["id"] for record in shown["decisions"]] == ["D4"]
+    assert all(claim["decision"] == "D4" for claim in shown["claims"])
+    assert {path.name for path in tmp_path.iterdir()} == {"decisions.png", "decisions.svg"}
+    decisionscommand.run([], figures=False, json=False, **arguments)
+    text = capsys.readouterr().out
+    assert "D25" in text
+    assert "Claims that turn" in text
+    with pytest.raises(LeakrefError, match="no decision is called 'A4'"):
+        decisionscommand.run(["A4"], figures=False, json=False, **arguments)

@@ -1,0 +1,154 @@
+"""The exchange folder: what is written for an implementation, what is read back, and what is not."""
+
+from __future__ import annotations
+
+import os
+
+import numpy as np
+import pytest
+from scipy import io
+
+from leakref.certify.exchange import Exchange
+from leakref.certify.verdict import Unanswered
+
+FORMATS = ("npz", "mat", "raw")
+CUBE = np.random.default_rng(5).standard_normal((3, 4, 5))
+
+
+@pytest.fixture(params=FORMATS)
+def exchange(request):
+    used = Exchange()
+    used.form = request.param
+    used.given, _ = used.give(1, request.param, {"eta": CUBE, "x": [0.0, 0.5, 1.0]})
+    yield used
+    used.close()
+    assert not used.folder.exists()
+
+
+def put(exchange, **values):
+    """An output as another program writes it."""
+    if exchange.form == "raw":
+        for name, value in values.items():
+            array = np.asarray(value)
+            array.astype("<c16" if np.iscomplexobj(array) else "<f8").tofile(exchange.output / f"{name}.f64")
+    elif exchange.form == "mat":
+        io.savemat(exchange.output, values, do_compression=True)
+    else:
+        np.savez_compressed(exchange.output, **values)
+
+
+def test_inputs_are_as_the_protocol_says(exchange):
+    if exchange.form == "raw":
+        found = {path.stem: np.fromfile(path, "<f8") for path in exchange.given.iterdir()}
+        found["eta"] = found["eta"].reshape(CUBE.shape)
+    elif exchange.form == "mat":
+        found = io.loadmat(exchange.given, squeeze_me=True)
+    else:
+        with np.load(exchange.given, allow_pickle=False) as stored:
+            found = dict(stored)
+    assert np.array_equal(found["eta"], CUBE)
+    assert np.array_equal(found["x"], [0.0, 0.5, 1.0])
+    assert exchange.folder.stat().st_mode & 0o777 == 0o700
+    assert exchange.given.is_absolute()
+
+
+@pytest.mark.parametrize("value", [CUBE, CUBE + 1j * CUBE[::-1]])
+def test_outputs_come_back_as_they_are(exchange, value):
+    put(exchange, S=value)
+    found = exchange.take("S", CUBE.shape)
+    assert found.dtype == value.dtype
+    assert np.array_equal(found, value)
+    assert exchange.changes() == []
+
+
+def test_numbers_of_other_types_are_converted(exchange):
+    put(exchange, w=np.arange(5, dtype=np.int16))
+    found = exchange.take("w", (5,))
+    assert found.dtype == np.float64
+    assert found.ravel().tolist() == [0, 1, 2, 3, 4]
+
+
+def refused(exchange, name="S"):
+    with pytest.raises(Unanswered) as nothing:
+        exchange.take(name, CUBE.shape)
+    return str(nothing.value.verdict), nothing.value.message
+
+
+def test_no_output_is_an_error(exchange):
+    verdict, message = refused(exchange)
+    assert (verdict, "there is no file" in message) == ("error", True)
+
+
+def test_another_variable_is_no_answer(exchange):
+    put(exchange, other=CUBE)
+    assert refused(exchange)[0] == ("error" if exchange.form == "raw" else "fail")
+
+
+@pytest.mark.skipif(os.name != "posix", reason="no pipes or links with a name")
+@pytest.mark.parametrize("what", ["pipe", "link", "folder"])
+def test_what_is_no_file_is_not_opened(exchange, what, tmp_path):
+    place = exchange.output / "S.f64" if exchange.form == "raw" else exchange.output
+    if what == "pipe":
+        os.mkfifo(place)
+    elif what == "folder":
+        place.mkdir()
+    else:
+        np.savez(tmp_path / "elsewhere.npz", S=CUBE)
+        place.symlink_to(tmp_path / "elsewhere.npz")
+    verdict, message = refused(exchange)
+    assert (verdict, "there is no file" in message) == ("error", True)
+
+
+def test_a_file_cut_short_is_no_answer(exchange):
+    put(exchange, S=CUBE)
+    path = exchange.output / "S.f64" if exchange.form == "raw" else exchange.output
+    path.write_bytes(path.read_bytes()[:-30])
+    assert refused(exchange)[0] == ("fail" if exchange.form == "raw" else "error")
+
+
+@pytest.mark.parametrize("exchange", ["npz", "mat"], indirect=True)
+@pytest.mark.parametrize("value", [{"a": 1.0}, np.array([1.0, "a"], dtype=object)])
+def test_objects_are_not_loaded(exchange, value):
+    put(exchange, S=value)
+    assert refused(exchange)[0] == "error"
+
+
+@pytest.mark.parametrize("exchange", ["npz", "mat"], indirect=True)
+def test_words_are_no_numbers(exchange):
+    put(exchange, S="none")
+    assert refused(exchange)[0] == "fail"
+
+
+@pytest.mark.parametrize("exchange", ["raw"], indirect=True)
+def test_a_raw_file_has_the_size_of_the_shape(exchange):
+    put(exchange, S=CUBE[:, :, 1:])
+    verdict, message = refused(exchange)
+    assert (verdict, "S.f64 holds 384 bytes" in message) == ("fail", True)
+
+
+def test_a_stage_without_input_still_has_a_file():
+    for form in FORMATS:
+        exchange = Exchange()
+        given, _ = exchange.give(1, form, {})
+        assert given.exists()
+        exchange.close()
+
+
+def test_clearing_makes_room_for_the_next_run(exchange):
+    (exchange.folder / "run-1" / "locked").mkdir(mode=0o000)
+    assert exchange.changes() == ["left in the exchange folder 'run-1/locked'"]
+    exchange.clear()
+    assert list(exchange.folder.iterdir()) == []
+    exchange.give(1, exchange.form, {"eta": CUBE})
+    assert exchange.changes() == []
+
+
+def test_folders_that_are_kept_do_not_meet(tmp_path):
+    kept = [Exchange(tmp_path / "new") for _ in range(2)]
+    for exchange in kept:
+        exchange.give(1, "npz", {"eta": CUBE})
+        exchange.clear()
+        exchange.give(2, "npz", {"eta": CUBE})
+        assert exchange.changes() == []
+        exchange.close()
+    assert sorted(path.parent.name for path in tmp_path.glob("new/*/*/in.npz")) == ["run-1", "run-1", "run-2", "run-2"]

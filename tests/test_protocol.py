@@ -1,0 +1,439 @@
+"""Programs that break protocol 1: each breach has its own verdict, the rest goes on, and nothing is left behind."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import psutil
+import pytest
+
+from leakref import LeakrefError
+from leakref.certify.connect import HarnessBroken, Limits, connect
+from leakref.certify.declaration import Declaration
+from leakref.certify.process import ProcessSubject
+from leakref.certify.verdict import Unanswered
+
+OFTEN = "import json, os, signal, subprocess, sys, time\n"
+PROGRAM = OFTEN + '''
+HERE = os.path.dirname(os.path.abspath(__file__))
+CAN = {"extract": {"methods": ["nsp"], "windows": ["box"]}}
+READY = {"op": "ready", "protocol": 1, "name": "small", "format": "raw", "can": CAN}
+DEEDS = []  # instead of good answers, to runs 2, 4, ...; run 1 is the first, small question
+
+def say(message):
+    print(json.dumps(message), flush=True)
+
+def good(request):
+    rows = len(request["parameters"]["wavenumbers"])
+    return {"id": request["id"], "status": "ok", "velocities": [[0.25, -0.5]] * rows}
+
+def ready():
+    say(READY)
+
+#OWN
+
+with open(os.path.join(HERE, "starts"), "a") as starts:
+    starts.write(f"{os.getpid()} ")
+for line in sys.stdin:
+    request = json.loads(line)
+    if request["op"] == "start":
+        ready()
+    elif request["op"] == "stop":
+        break
+    elif request["id"] % 2 == 0 and request["id"] // 2 <= len(DEEDS):
+        exec(DEEDS[request["id"] // 2 - 1])
+    else:
+        say(good(request))
+'''
+OFFSPRING = '''
+def linger(*, session=False, orphan=False, bare=False):
+    """A process that ignores every polite signal."""
+    if os.fork() == 0:
+        if session:
+            os.setsid()
+        if orphan and os.fork():
+            os._exit(0)
+        code = "import signal, time\\nfor n in (1, 2, 15): signal.signal(n, signal.SIG_IGN)\\ntime.sleep(600)"
+        arguments = [sys.executable, "-S", "-c", code, HERE]
+        os.execve(sys.executable, arguments, {} if bare else os.environ)
+'''
+
+
+@pytest.fixture
+def left_behind(tmp_path, monkeypatch):
+    """After the test: no process that names the test's folder, and nothing among the temporary files."""
+    temporary = tmp_path / "temporary"
+    temporary.mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(temporary))
+    yield
+    assert list(temporary.iterdir()) == []
+    assert running(tmp_path) == []
+
+
+def running(folder):
+    """The processes whose command line names the folder."""
+    found = []
+    for process in psutil.process_iter():
+        try:
+            if str(folder) in " ".join(process.cmdline()) and process.status() != psutil.STATUS_ZOMBIE:
+                found.append(process)
+        except psutil.Error:
+            pass
+    return found
+
+
+@pytest.fixture
+def session(left_behind, tmp_path):
+    """The program as a context: with code of its own, and with what it does instead of answering well."""
+
+    def start(*deeds, own="", keep=None, **limits):
+        program = tmp_path / "program.py"
+        program.write_text(PROGRAM.replace("#OWN", f"DEEDS = {list(deeds)!r}\n{own}"))
+        return ProcessSubject([sys.executable, "-S", str(program)], limits=Limits(**limits), keep=keep)
+
+    return start
+
+
+def starts(tmp_path):
+    return len((tmp_path / "starts").read_text().split())
+
+
+def ask(subject, rows=2):
+    """The verdict on one extraction, `ok` if there is an answer, and the message."""
+    surface = np.random.default_rng(1).standard_normal((8, 9, 10))
+    try:
+        answer = subject.extract(surface, (0.8, 0.9, 0.7), np.linspace(0.5, 1.5, rows), window="box")
+    except Unanswered as nothing:
+        return str(nothing.verdict), nothing.message
+    assert np.array_equal(answer.values, [[0.25, -0.5]] * rows)
+    return "ok", ""
+
+
+def judged(subject, deeds=1):
+    """Verdict and message for each bad run. After each a good one, which is answered as if nothing had happened."""
+    found = []
+    for n in range(deeds):
+        found.append(ask(subject))
+        assert ask(subject, rows=3) == ("ok", ""), n
+    return found
+
+
+def test_a_program_that_behaves_is_started_once(session, tmp_path):
+    with session() as subject:
+        assert judged(subject, 2) == 2 * [("ok", "")]
+        assert subject.declaration.name == "small"
+        assert subject.violations == []
+    assert starts(tmp_path) == 1
+
+
+def test_a_crash_is_an_error(session, tmp_path):
+    deeds = {"os._exit(3)": "ended by itself, with exit status 3",
+             "sys.exit('no such wave')": "ended by itself, with exit status 1; its last words: no such wave",
+             "os.kill(os.getpid(), signal.SIGKILL)": "was ended by signal 9 (SIGKILL)",
+             "os.close(1); time.sleep(600)": "closed its standard output",
+             "print('\\x1b[31mred\\x07', file=sys.stderr); os._exit(1)":
+                 "ended by itself, with exit status 1; its last words: [31mred"}
+    with session(*deeds) as subject:
+        assert judged(subject, len(deeds)) == [("error", words) for words in deeds.values()]
+    assert starts(tmp_path) == 1 + len(deeds)
+
+
+def test_a_program_that_hangs_is_out_of_time(session):
+    with session("time.sleep(600)", run=1.0) as subject:
+        assert judged(subject) == [("timeout", "gave no answer within 1 s")]
+
+
+def test_a_program_that_does_not_read_is_out_of_time(session):
+    with session(run=1.0) as subject:
+        assert ask(subject) == ("ok", "")
+        os.kill(subject._child._popen.pid, signal.SIGSTOP)
+        verdict, _ = ask(subject, rows=20_000)  # a line longer than any pipe holds
+        assert verdict == "timeout"
+        assert ask(subject) == ("ok", "")
+
+
+def test_one_that_forks_and_hangs_leaves_no_offspring(session, tmp_path):
+    deeds = [f"linger({how}); time.sleep(600)" for how in
+             ("session=True", "session=True, orphan=True", "bare=True, orphan=True")]
+    with session(*deeds, own=OFFSPRING, run=1.0) as subject:
+        for _ in deeds:
+            assert judged(subject) == [("timeout", "gave no answer within 1 s")]
+            assert len(running(tmp_path)) == 1  # the one that was started afterwards
+
+
+def test_one_that_forks_and_ends_leaves_no_offspring(session, tmp_path):
+    deeds = "linger(session=True, orphan=True); os._exit(0)", "linger(session=True, orphan=True); say(good(request))"
+    with session(*deeds, own=OFFSPRING) as subject:
+        assert judged(subject, 2) == [("error", "ended by itself, with exit status 0"), ("ok", "")]
+        assert len(running(tmp_path)) == 2  # one is still waited for, beside the program: `left_behind` looks again
+
+
+def test_garbage_between_the_lines_is_ignored(session, tmp_path):
+    lines = ["'hello'", "'{'", "'[' * 100000", "'{\"a\": ' * 100000", "'{}'", "'{\"status\": \"ok\"}'", "'\\0\\ud7ff'",
+             "7", "'[{\"id\": 3}]'", "'x' * (9 << 20)", "'{\"id\": ' + '1' * 5000"]
+    with session(*(f"print({line}, flush=True); say(good(request))" for line in lines)) as subject:
+        assert judged(subject, len(lines)) == len(lines) * [("ok", "")]
+    assert starts(tmp_path) == 1
+
+
+def test_nothing_but_garbage_is_out_of_time(session):
+    with session("while True: os.write(1, b'garbage' * 9999)", run=1.0) as subject:
+        before = psutil.Process().memory_info().rss
+        assert judged(subject) == [("timeout", "gave no answer within 1 s; its last words: (a line of more than "
+                                               "4194304 bytes)")]
+        assert psutil.Process().memory_info().rss - before < 100 * 2**20  # it came to gigabytes a minute
+
+
+def test_answers_twice_or_to_another_question_are_errors(session, tmp_path):
+    deeds = ["print(json.dumps(good(request)) + '\\n' + json.dumps(good(request)), flush=True)",
+             "say(good(request) | {'id': request['id'] + 1})", "say(good(request) | {'id': True})",
+             "say(good(request) | {'id': str(request['id'])})", "say(READY); say(good(request))", "say({'op': 'run'})"]
+    with session(*deeds) as subject:
+        for verdict, message in judged(subject, len(deeds)):
+            assert verdict == "error"
+            assert message.startswith("answered")
+    assert starts(tmp_path) == 1 + len(deeds)
+
+
+def test_a_second_answer_that_comes_late_is_nobody_elses(session):
+    with session("say(good(request)); time.sleep(0.3); say(good(request))") as subject:
+        assert ask(subject) == ("ok", "")
+        end = time.monotonic() + 20
+        while not subject._child._waiting and time.monotonic() < end:
+            subject._child._gather(0.05)
+        verdict, message = ask(subject, rows=3)
+        assert (verdict, "without being asked" in message) == ("error", True)
+        assert ask(subject, rows=4) == ("ok", "")
+
+
+def test_only_status_ok_is_an_answer(session):
+    statuses = {"'fine'": ("error", "answered with the status 'fine', should be ok, unsupported or error"),
+                "None": ("error", "answered with the status 'None', should be ok, unsupported or error"),
+                "'unsupported'": ("unsupported", "too rough"), "'error'": ("error", "too rough")}
+    deeds = [f"say(good(request) | {{'status': {status}, 'message': 'too\\nrough'}})" for status in statuses]
+    with session(*deeds) as subject:
+        assert judged(subject, len(deeds)) == list(statuses.values())
+
+
+def test_what_is_no_pair_of_numbers_fails(session):
+    answers = ["[[float('nan'), 0.1], [0.1, 0.2]]", "[[0.1, float('inf')], [0.1, 0.2]]", "[[0.1, 10**400], [0.1, 0.2]]",
+               "[None, None]", "[[0.1, 0.2]]", "[[0.1, 0.2]] * 3", "[[0.1], [0.2]]", "[0.1, 0.2]", "'ab'",
+               "{'0': [0.1, 0.2]}", "[[0.1, 'x'], [0.1, 0.2]]", "7", "None", "[]", "[{}, {}]",
+               "[[[0.1, 0.2], [0.1, 0.2]]]"]
+    with session(*(f"say(good(request) | {{'velocities': {rows}}})" for rows in answers)) as subject:
+        for answer, (verdict, message) in zip(answers, judged(subject, len(answers)), strict=True):
+            assert (verdict, "velocities" in message) == ("fail", True), answer
+
+
+def test_wavenumbers_that_are_none_fail(session):
+    answers = ["5", "'ab'", "[]", "['a', 'b']", "[1.0]", "[1.0, None]", "[0.5, float('nan')]"]
+    with session(*(f"say(good(request) | {{'wavenumbers': {at}}})" for at in answers)) as subject:
+        assert [verdict for verdict, _ in judged(subject, len(answers))] == len(answers) * ["fail"]
+
+
+def test_one_row_declined_is_no_failure(session):
+    with session("say(good(request) | {'velocities': [None, [0.25, -0.5]]})") as subject:
+        answer = subject.extract(np.ones((8, 9, 10)), (1.0, 1.0, 1.0), [0.5, 1.0], window="box")
+    assert answer.declined.tolist() == [True, False]
+
+
+def test_another_path_than_the_one_given_is_an_error_and_a_stray_file(session):
+    deed = "other = request['output'] + '-mine'; open(other, 'w').close(); say(good(request) | {'output': other})"
+    with session(deed) as subject:
+        ((verdict, message),) = judged(subject)
+        assert subject.violations == ["extract left in the exchange folder 'run-2/out-mine'"]
+    assert (verdict, "should be the path it was given" in message) == ("error", True)
+
+
+def test_whatever_is_changed_in_the_exchange_folder_is_said(session, tmp_path):
+    deeds = {"os.chmod(path, 0o644); open(path, 'r+b').write(b'x')": "altered its input in/eta.f64",
+             "os.remove(path)": "removed its input in/eta.f64",
+             "os.remove(path); os.mkdir(path)": "replaced its input in/eta.f64",
+             "os.rename(path, path + '2'); open(path, 'wb').write(open(path + '2', 'rb').read())":
+                 "replaced its input in/eta.f64",
+             "open(run + '/new', 'w').close()": "left in the exchange folder 'run-10/new'",
+             "os.mkdir(run + '/out/deep'); os.chmod(run + '/out', 0)": "left in the exchange folder 'run-12/out/deep'",
+             "os.symlink(HERE, run + '/../link')": "left in the exchange folder 'link'",
+             "shutil.rmtree(run)": "removed its input in/x.f64",
+             "shutil.rmtree(os.path.dirname(run))": "removed its input in/x.f64"}
+    before = "import shutil; run = os.path.dirname(request['input']); path = run + '/in/eta.f64'; "
+    with session(*(f"{before}{deed}; say(good(request))" for deed in deeds)) as subject:
+        for words in deeds.values():
+            assert judged(subject) == [("ok", "")]
+            assert f"extract {words}" in subject.violations
+            subject.violations.clear()
+    assert (tmp_path / "program.py").exists()  # a link out of the folder was not followed
+
+
+def test_inputs_are_read_only(session):
+    deed = ("path = request['input'] + '/eta.f64'; "
+            "say(good(request) if os.stat(path).st_mode & 0o777 == 0o444 else {'id': 2, 'status': 'error'})")
+    with session(deed) as subject:
+        assert judged(subject) == [("ok", "")]
+        assert subject.violations == []
+
+
+def test_one_that_eats_memory_is_stopped_with_its_offspring_counted(session):
+    deed = ("if os.fork() == 0:\n    eaten = bytearray(120 << 20)\n"
+            "    for n in range(0, len(eaten), 4096): eaten[n] = 1\ntime.sleep(600)")
+    with session(deed, memory=100 * 2**20) as subject:
+        ((verdict, message),) = judged(subject)
+    assert (verdict, "more than the 100 MiB allowed" in message) == ("error", True)
+
+
+def test_a_name_is_taken_as_the_text_it_is(session):
+    with session(own="READY['name'] = '<script>alert(1)</script>'") as subject:
+        assert subject.declaration.name == "<script>alert(1)</script>"
+        assert judged(subject) == [("ok", "")]
+    with session(own="READY['name'] = 'bell\\x07' + 'x' * 10**6") as subject:
+        assert subject.declaration.name == "bell " + "x" * 112 + "..."
+
+
+def test_three_breaches_in_a_row_are_the_end(session, tmp_path):
+    # runs 2 and 3 end it, 4 is good, 5 to 7 end it, and 8 and 9 are not even sent
+    own = "def good(request, good=good): return good(request) if request['id'] in (1, 4) else os._exit(9)"
+    with session(own=own) as subject:
+        found = [ask(subject) for _ in range(8)]
+    ended = ("error", "ended by itself, with exit status 9")
+    assert found[:6] == [ended, ended, ("ok", ""), ended, ended, ended]
+    assert found[6] == found[7] == ("error", "is not asked any more after 3 breaches in a row, the last of which was "
+                                             "that it ended by itself, with exit status 9")
+    assert starts(tmp_path) == 5
+
+
+def test_a_start_that_fails_is_a_breach_too(session):
+    own = "READY['version'] = str(os.getpid())"
+    with session("os._exit(0)", own=own) as subject:
+        assert ask(subject)[0] == "error"
+        assert ask(subject) == ("error", "declared something else when it was started again")
+    own = "READY['axes'] = 'xyt' if not os.path.exists(HERE + '/starts') else 7"
+    (Path(subject.command[-1]).parent / "starts").unlink()
+    with session("os._exit(0)", own=own) as subject:
+        assert ask(subject)[0] == "error"
+        assert "declares axes" in ask(subject)[1]
+        os.remove(subject.command[-1])
+        subject.command[0] = "./no-such-program"
+        assert "could not be started again: './no-such-program'" in ask(subject)[1]
+        assert "is not asked any more" in ask(subject)[1]
+
+
+@pytest.mark.parametrize(("own", "words"), [
+    ("def good(request): os._exit(2)", "exit status 2"),
+    ("def good(request): time.sleep(600)", "gave no answer within 0.7 s"),
+    ("def good(request): return {'id': 1, 'status': 'error', 'message': 'too small'}", "too small"),
+    ("raise SystemExit('usage: program FILE')", "usage: program FILE"),
+    ("print('usage: program FILE'); sys.exit()", "usage: program FILE"),
+    ("READY['protocol'] = 2", '"protocol": 1'), ("READY['op'] = 'hello'", '"op": "ready"'),
+    ("READY['axes'] = ['x']", "declares axes"), ("CAN['extract']['windows'] = 5", "declares windows")])
+def test_one_that_cannot_answer_at_all_is_a_broken_harness(session, own, words):
+    program = session(own=own, run=0.7 if "600" in own else 60)
+    with pytest.raises(HarnessBroken, match="does not answer") as broken, program:
+        pass
+    assert words in str(broken.value)
+
+
+@pytest.mark.parametrize(("name", "value"), [
+    ("axes", "abc"), ("axes", ["x"]), ("can", []), ("can", {}), ("can", {"extract": 7}), ("can", {"dance": {}}),
+    ("fixed", 5), ("fixed", "gravity"), ("fixed", [5]), ("format", "xml"), ("units", None),
+    ("can", {"extract": {"windows": 5}}), ("can", {"extract": {"methods": [[]]}}),
+    ("can", {"extract": {"methods": []}}), ("can", {"spectrum": {"windows": {}}}),
+    ("can", {"window": {"names": "hann"}}), ("can", {"extract": {"resolves": []}})])
+def test_a_declaration_that_makes_no_sense_is_refused(name, value):
+    with pytest.raises(Unanswered, match="declares"):
+        Declaration.read({name: value})
+
+
+def test_a_bad_first_answer_is_the_implementations_own_fault(session):
+    own = ("def good(request, good=good):\n"
+           "    return good(request) | ({'velocities': [[float('nan'), 0]]} if request['id'] == 1 else {})")
+    with session(own=own) as subject:
+        assert ask(subject) == ("ok", "")
+
+
+def test_silence_at_the_start_is_a_broken_harness(session):
+    with pytest.raises(HarnessBroken, match=r"gave no answer within 0.4 s"), session(own="time.sleep(600)", start=0.4):
+        pass
+
+
+@pytest.mark.parametrize("command", [["./no-such-program"], ["."], ["a\0b"]])
+def test_one_that_cannot_be_started_is_wrong_use(left_behind, command):
+    with pytest.raises(LeakrefError, match="cannot be started") as refused, connect(command=command):
+        pass
+    assert not isinstance(refused.value, HarnessBroken)
+
+
+def test_a_target_or_a_command():
+    for arguments in ({}, {"target": "reference", "command": ["program"]}, {"command": []}):
+        with pytest.raises(LeakrefError, match="target"):
+            connect(**arguments)
+
+
+def test_what_is_kept(session, tmp_path):
+    with session(keep=tmp_path / "kept") as subject:
+        assert judged(subject) == [("ok", "")]
+        assert subject.violations == []
+    (kept,) = (tmp_path / "kept").iterdir()
+    request, answer = (json.loads((kept / "run-2" / f"{name}.json").read_text()) for name in ("request", "answer"))
+    assert request["parameters"]["shapes"] == {"eta": [8, 9, 10], "x": [8], "y": [9], "t": [10]}
+    assert answer["velocities"] == [[0.25, -0.5]] * 2
+    assert (Path(request["input"]) / "eta.f64").stat().st_size == 8 * 8 * 9 * 10
+
+
+def test_two_at_once(session, tmp_path):
+    found = {}
+    session("os._exit(0)")  # writes the program
+
+    def work(name):
+        with ProcessSubject([sys.executable, "-S", str(tmp_path / "program.py")]) as subject:
+            found[name] = [ask(subject)[0] for _ in range(5)]
+
+    threads = [threading.Thread(target=work, args=(name,)) for name in "ab"]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join(60)
+    assert found == {name: ["error", "ok", "ok", "ok", "ok"] for name in "ab"}
+
+
+def test_another_thread_need_not_wait(session, tmp_path):
+    with session("open(HERE + '/asked', 'w').close(); time.sleep(600)") as subject:
+
+        def interrupt():
+            while not (tmp_path / "asked").exists():
+                time.sleep(0.01)
+            subject.interrupt()
+
+        thread = threading.Thread(target=interrupt)
+        thread.start()
+        assert ask(subject)[1] == "was ended by signal 9 (SIGKILL)"
+        thread.join()
+        assert ask(subject)[1].startswith("is not asked any more")
+    assert starts(tmp_path) == 1
+
+
+@pytest.mark.skipif(os.name != "posix", reason="Ctrl-C is sent as a signal")
+def test_nothing_is_left_when_we_are_interrupted(session, tmp_path):
+    session("linger(session=True); open(HERE + '/asked', 'w').close(); time.sleep(600)", own=OFFSPRING)
+    ours = tmp_path / "ours.py"
+    ours.write_text(
+        "import sys, tempfile\nimport numpy as np\nfrom leakref.certify.process import ProcessSubject\n"
+        f"tempfile.tempdir = {tempfile.tempdir!r}\n"
+        f"with ProcessSubject([sys.executable, '-S', {str(tmp_path / 'program.py')!r}]) as subject:\n"
+        "    subject.extract(np.ones((4, 4, 4)), (1, 1, 1), [1.0], window='box')\n")
+    with subprocess.Popen([sys.executable, str(ours)], stderr=subprocess.PIPE, text=True) as process:
+        end = time.monotonic() + 60
+        while not (tmp_path / "asked").exists() and process.poll() is None and time.monotonic() < end:
+            time.sleep(0.02)
+        assert list(Path(tempfile.tempdir).iterdir())
+        process.send_signal(signal.SIGINT)
+        _, said = process.communicate(timeout=60)
+    assert "KeyboardInterrupt" in said

@@ -1,0 +1,189 @@
+"""The study of the suite's strength, itself studied: it must see what survives, what is rejected, what is stale."""
+
+import json
+from importlib import resources
+
+import numpy as np
+import pytest
+from scipy.stats import binomtest
+
+from leakref.altered import Change
+from leakref.certify import cubes, faults, strength
+from leakref.certify.faults import FAULTS, Fault
+from leakref.certify.inprocess import InProcess
+from leakref.certify.registry import CHECKS, FAMILIES, chosen
+from leakref.certify.statistics import excess, share
+from leakref.certify.strength import Job, classes, compute, false_alarms, fault_record, fresh, problems, study
+from leakref.certify.variants import VARIANTS
+from leakref.chain import reference
+
+FEW = (Job("fault", "two-thirds-energy"), Job("fault", "nan-as-number"))
+
+
+@pytest.fixture
+def few(monkeypatch):
+    """A study of two quick faults and nothing else."""
+    monkeypatch.setattr(strength, "jobs", lambda *, full=False: list(FEW))
+
+
+def test_a_fault_that_changes_nothing_is_reported_as_surviving(monkeypatch):
+    idle = Fault("idle", "nsp", "synthesis", "nothing is wrong", (Change("nsp", "_FEW = 8", "_FEW = 9"),),
+                 witness=FAULTS["two-thirds-energy"].witness)
+    monkeypatch.setitem(FAULTS, "idle", idle)
+    record = fault_record(idle)
+    assert record["killed_by"] is None
+    assert record["effect_over_tolerance"] <= 1
+    assert set(record["over"]) == {f"{c.id}[{case.id}]" for c, case in chosen(["synthesis"])}
+    monkeypatch.setattr(strength, "jobs", lambda *, full=False: [Job("fault", "idle")])
+    found = study()
+    assert [r["killed_by"] for r in found["faults"]] == [None]
+    assert found["problems"] == ["the fault idle survives the checks of synthesis"]
+
+
+def test_a_wrong_code_among_the_variants_is_reported_as_rejected(monkeypatch):
+    monkeypatch.setattr(strength, "jobs", lambda *, full=False: [Job("variant", "si")])
+    wrong = lambda identifier: faults.implementation("flipped-x")  # noqa: E731
+    record = strength.variant_record("si", make=wrong)
+    assert {name.partition(".")[0] for name in record["wrong"]} >= {"signs", "recovery"}
+    monkeypatch.setattr(strength, "compute", lambda job: record)
+    found = study()
+    assert found["variants"][0]["rejected"] == found["variants"][0]["runs"] == 1
+    assert found["problems"][0].startswith("the variant si was rejected 1 times in 1 runs, by ")
+
+
+def test_too_small_an_effect_and_a_sound_fault_rejected_are_problems():
+    row = {"id": "x", "killed_by": "signs.a[b]", "effect_over_tolerance": 9.0, "witness": "signs.a[b]",
+           "family": "conformance", "kills": {"conformance": 9.0, "signs": 2.0}}
+    said = problems({"faults": [row], "variants": [],
+                     "families": [{"family": "scale", "only": []}],
+                     "false_alarms": {"nominal": 1e-3, "at_margin": {"rate": 0.1, "interval": [0.09, 0.11]}}})
+    assert [line.split()[0] for line in said] == ["the", "the", "no", "false"]
+    assert "9.0 times" in said[0]
+    assert "signs rejects it" in said[1]
+
+
+def test_the_study_goes_on_where_it_stopped(few, tmp_path, monkeypatch):
+    first = study(work=tmp_path)
+    stored = sorted(path.name for path in tmp_path.rglob("*.json"))
+    assert stored == ["fault-nan-as-number.json", "fault-two-thirds-energy.json"]
+    monkeypatch.setattr(strength, "compute", lambda job: pytest.fail("computed again"))
+    assert study(work=tmp_path) == first
+    whole = next(tmp_path.rglob("fault-nan*.json"))
+    whole.write_text(whole.read_text(encoding="utf-8")[:-20], encoding="utf-8")  # torn
+    monkeypatch.setattr(strength, "compute", compute)
+    assert study(work=tmp_path) == first
+
+
+def test_another_source_is_another_place(tmp_path, monkeypatch):
+    path = FEW[0].path(tmp_path)
+    monkeypatch.setattr(strength, "source_digest", lambda: "0" * 64)
+    assert FEW[0].path(tmp_path) != path
+
+
+def test_workers_and_their_order_change_nothing(few):
+    from leakref.runs import pool
+
+    alone = study()
+    with pool(2) as executor:
+        assert study(executor=executor) == alone
+
+
+def test_all_that_is_to_do_is_done_once():
+    todo = strength.jobs(full=True)
+    assert len(set(todo)) == len(todo)
+    assert sum(job.kind == "variant" and job.seed is not None for job in todo) == strength.SEEDS == 200
+    assert {job.id for job in todo if job.kind == "variant" and job.seed is not None} == set(VARIANTS)
+    assert {job.id for job in todo if job.kind == "fault"} == set(FAULTS)
+
+
+def test_fresh_water_is_other_water_and_goes_away_again():
+    given = dict(direction=40.0, spread=60.0)
+    usual, sea, pair = cubes.sea(**given), cubes.sea, cubes.pair
+    with fresh(3):
+        other, again = cubes.sea(**given), cubes.sea(**given)
+        waves = cubes.pair(cubes.EVEN, (5, 3), (-2, 5), (0.1, 0.2))
+    assert cubes.sea is sea
+    assert cubes.pair is pair
+    assert other is again
+    assert other.grid != usual.grid
+    assert max(other.grid.shape[:2]) <= 64
+    assert not np.array_equal(other.components.phase[:9], usual.components.phase[:9])
+    assert not np.array_equal(waves.truth, cubes.pair(cubes.EVEN, (5, 3), (-2, 5), (0.1, 0.2)).truth)
+    with fresh(3):
+        np.testing.assert_array_equal(cubes.sea(**given).surface, other.surface)
+
+
+@pytest.mark.parametrize("family", strength._SEEN)
+def test_every_family_that_looks_at_seas_sees_fresh_ones(family):
+    check, case = chosen([family], profile="quick")[0]
+    usual = check(InProcess(reference), case)
+    with fresh(5):
+        other = check(InProcess(reference), case)
+    assert usual.verdict == other.verdict == "pass"
+    assert usual.figures != other.figures
+
+
+def test_the_turns_are_the_eight_of_the_square():
+    turns = {tuple(turn.ravel()) for turn in strength._TURNS}
+    assert len(turns) == 8
+    assert all(np.array_equal(t @ t.T, np.eye(2)) for t in strength._TURNS)
+
+
+def test_classes_are_faults_with_the_same_effects():
+    records = [{"id": name, "over": {"a": a, "b": b}} for name, a, b in
+               (("one", 5.0, 0.0), ("two", 5.001, 0.001), ("three", 5.2, 0.0), ("four", 5.0, 3.0))]
+    assert classes(records) == [["one", "two"]]
+
+
+def test_the_null_resampling_uses_the_statistic_of_the_check():
+    rng = np.random.default_rng(1)
+    d, margin, alpha = 0.02 * rng.standard_normal(6) + 0.03, 0.01, share(2)
+    test = excess(d, margin, alpha)
+    by_hand = margin + strength.student.isf(alpha, 5) * d.std(ddof=1) / np.sqrt(6)
+    assert test.limit == pytest.approx(by_hand, rel=1e-12)
+
+
+def test_false_alarms_of_well_behaved_errors_are_at_their_nominal_rate_at_most():
+    chosen()
+    rng = np.random.default_rng(4)
+    names = strength._seas()
+    errors = {name: {"nsp": 0.05 + 0.01 * rng.standard_normal(100), "ls": 0.08 + 0.02 * rng.standard_normal(100),
+                     "resolution": 0.04} for name in names}
+    found = false_alarms(errors, 40_000)
+    assert found["tests"] == 2 * len(CHECKS["leakage.bias"].cases)
+    assert found["at_margin"]["interval"][0] <= 1e-3
+    assert found["at_margin"]["interval"][1] <= 3e-3
+    assert found["as_good"]["alarms"] <= found["at_margin"]["alarms"]
+    assert false_alarms(errors, 40_000) == found
+
+
+def test_a_statistic_that_alarms_too_often_is_seen():
+    said = problems({"faults": [], "variants": [], "false_alarms": {"nominal": 1e-3, "at_margin": strength._rate(
+        300, 100_000)}})
+    assert said == ["false alarms are at 3.0e-03, above 0.001"]
+    interval = binomtest(300, 100_000).proportion_ci(method="exact")
+    assert strength._rate(300, 100_000)["interval"] == [interval.low, interval.high]
+
+
+def test_the_command_writes_prints_and_says_so(few, tmp_path, capsys):
+    status = strength.run(out=tmp_path, workers=1, json=True)
+    printed = json.loads(capsys.readouterr().out)
+    written = json.loads((tmp_path / "strength.json").read_text(encoding="utf-8"))
+    assert status == 0
+    assert printed["ok"]
+    assert printed["schema"] == "leakref/strength/1"
+    for record in (printed, written):
+        assert [row["id"] for row in record["faults"]] == [job.id for job in FEW]
+    assert {"id", "killed_by", "effect_over_tolerance"} <= set(printed["faults"][0])
+    assert strength.run(out=tmp_path, workers=1) == 0
+    assert "two-thirds-energy" in capsys.readouterr().out
+
+
+def test_the_committed_result_is_of_this_list_and_holds():
+    record = json.loads(resources.files("leakref._golden").joinpath("strength.json").read_text(encoding="utf-8"))
+    assert record["full"]
+    assert [row["id"] for row in record["faults"]] == list(FAULTS)
+    assert [row["id"] for row in record["variants"]] == list(VARIANTS)
+    assert [row["family"] for row in record["families"]] == list(FAMILIES)
+    assert sum(row["runs"] for row in record["variants"]) == strength.SEEDS + len(VARIANTS)
+    assert record["problems"] == problems(record) == []
