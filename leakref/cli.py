@@ -243,7 +243,11 @@ def golden_lint(golden: GoldenNumber = 1, place: GoldenFolder = None, json: Json
 
 @command(None, "verify", golden_app)
 def golden_verify(
+    ids: Annotated[list[str] | None, typer.Argument(help="Entries to look at, or patterns such as 'ensemble-U*'; none: "
+                                                         "the quick ones, or all with --full.")] = None,
     full: Annotated[bool, typer.Option("--full", help="By every route, all realisations and ensembles.")] = False,
+    route: Annotated[str, typer.Option(help="For ensembles: B, or A to confirm some by the surface and the FFT (16 s "
+                                            "a realisation; resumed where it stopped).")] = "B",
     golden: GoldenNumber = 1,
     place: GoldenFolder = None,
     work: GoldenWork = Path("leakref-golden"),
@@ -253,7 +257,8 @@ def golden_verify(
     """Still reproduced? Compute again and compare: vectors and a few realisations, or everything."""
     from leakref.goldencommands import run_verify
 
-    return run_verify(golden, place, full=full, work=work, workers=workers or os.cpu_count() or 1, json=json)
+    return run_verify(ids or [], golden, place, full=full, route=route.upper(), work=work,
+                      workers=workers or os.cpu_count() or 1, json=json)
 
 
 @command(None, "regenerate", golden_app)

@@ -50,16 +50,20 @@ def run_lint(number: int, place: Path | None, *, json: bool) -> bool:
     return report.ok
 
 
-def run_verify(number: int, place: Path | None, *, full: bool, work: Path, workers: int, json: bool) -> int:
+def run_verify(wanted: Sequence[str], number: int, place: Path | None, *, full: bool, route: str, work: Path,
+               workers: int, json: bool) -> int:
     """0 if everything computed again agrees, 1 if not, 3 if there was nothing to compute."""
     golden = _opened(number, place)
+    if route not in ("A", "B"):
+        raise LeakrefError("golden", f"no route named {route!r}", "choose A (surface and FFT) or B (closed form)")
     report = lint(golden)
     if not report.failures:
         from leakref import goldenmaking
 
-        kept = folder(work) if full else None
-        with progress_bar("golden entries", goldenmaking.count(golden, full)) as step:
-            report = goldenmaking.verify(golden, full=full, work=kept, workers=workers, step=step)
+        kept = folder(work) if full or wanted else None
+        with progress_bar("golden entries", len(goldenmaking.looked_at(golden, full or bool(wanted), wanted))) as step:
+            report = goldenmaking.verify(golden, full=full, wanted=wanted, route=route, work=kept, workers=workers,
+                                         step=step)
     _shown("verify", report, json, report.ok, full=full)
     return 0 if report.ok else 1 if report.failures else NOTHING_TO_JUDGE
 

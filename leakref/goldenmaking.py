@@ -34,7 +34,7 @@ from leakref.shell import Extraction, Note
 from leakref.spectrum import Spectrum, fourier
 from leakref.synthesis import synthesize
 
-__all__ = ["ids", "regenerate", "verify", "verify_entry"]
+__all__ = ["ids", "looked_at", "regenerate", "verify", "verify_entry"]
 
 Step = Callable[[], object]
 _CERTIFIED = (0, 1)
@@ -518,24 +518,24 @@ def _noted(entry: Entry, notes: Any, route: str) -> list[Failure]:
     return [Failure(entry.id, f"the notes are {notes} by route {route}, but should be {golden}", entry.stage)]
 
 
-def verify(golden: Golden | None = None, *, full: bool = False, work: Path | None = None, workers: int = 1,
-           step: Step = lambda: None) -> Report:
+def verify(golden: Golden | None = None, *, full: bool = False, wanted: Sequence[str] = (), route: str = "B",
+           work: Path | None = None, workers: int = 1, step: Step = lambda: None) -> Report:
     """Compute golden values again and compare.
 
     Quick: all vectors and analytic values by the chain, realisation 0 of the small configurations by route B.
     `full`: vectors by every route and the witness, all realisations by A and B, all ensembles by B; what is done is
-    kept in `work`, so that an interrupted run goes on where it stopped.
+    kept in `work`, so that an interrupted run goes on where it stopped. `wanted` are ids, or patterns of them, to look
+    at instead, as in a full run; with `route` A ensembles are confirmed by the surface and the FFT, 16 s a realisation.
     """
     golden = golden or Golden()
     failures = [Failure("manifest.json", f"decision {name} was {said!r} when this set was made, and is another now")
                 for name, said in golden.manifest["decisions"].items()
                 if name not in DECISIONS or DECISIONS[name].reference != said]
-    replaced = {e.record["supersedes"] for e in golden.entries() if e.record.get("supersedes")}
+    full = full or bool(wanted)
+    chosen = looked_at(golden, full, wanted)
     rows: list[dict[str, Any]] = []
     for part in SETS:
-        entries = [e for e in golden.entries(part) if e.id not in replaced]
-        if not full:
-            entries = [e for e in entries if _is_quick(e)]
+        entries = [e for e in chosen if e.file.split("/")[0] == part]
         if part in VECTORS:
             for entry in entries:
                 failures += verify_entry(entry, with_witness=full)
@@ -543,14 +543,20 @@ def verify(golden: Golden | None = None, *, full: bool = False, work: Path | Non
         elif part == "realizations":
             failures += _verify_realizations(entries, full, work, workers, step)
         elif entries:
-            failures += _verify_ensembles(entries, work, workers, step)
+            failures += _verify_ensembles(entries, route, work, workers, step)
         rows.append({"name": part, "entries": len(entries), "values": sum(e.values for e in entries)})
     return Report(rows, sum(row["values"] for row in rows), failures)
 
 
-def count(golden: Golden, full: bool) -> int:
-    """How many steps `verify` will take."""
-    return sum(1 for e in golden.entries() if full or _is_quick(e))
+def looked_at(golden: Golden, full: bool, wanted: Sequence[str] = ()) -> list[Entry]:
+    """The entries that `verify` compares. Raises LeakrefError for an id or a pattern that is none of them."""
+    entries = list(golden.entries())
+    for pattern in wanted:
+        if not any(fnmatchcase(e.id, pattern) for e in entries):
+            raise LeakrefError("golden.verify", f"no golden value is called {pattern!r}", "ids are in the manifest")
+    replaced = {e.record["supersedes"] for e in entries if e.record.get("supersedes")}
+    return [e for e in entries if e.id not in replaced and (full or _is_quick(e))
+            and (not wanted or any(fnmatchcase(e.id, pattern) for pattern in wanted))]
 
 
 def _is_quick(entry: Entry) -> bool:
@@ -594,15 +600,16 @@ def _without_null(entry: Entry, found: Mapping[str, Any], route: str) -> list[Fa
     return compare(entry, mine, route)
 
 
-def _verify_ensembles(entries: Sequence[Entry], work: Path | None, workers: int, step: Step) -> list[Failure]:
+def _verify_ensembles(entries: Sequence[Entry], route: str, work: Path | None, workers: int,
+                      step: Step) -> list[Failure]:
     wanted = {entry.id: entry for entry in entries}
     failures = []
     with runs.pool(workers) as executor:
         for found in runs.run(list(dict.fromkeys(_configuration(i) for i in wanted)), realizations=REALIZATIONS,
-                              folder=work and work / "runs", executor=executor):
+                              route=route, folder=work and work / "runs", executor=executor):
             for e in found:
                 entry = wanted.get(_ensemble_id(e.configuration, e.window, e.method))
                 if entry is not None:
-                    failures += compare(entry, _statistics(e), "B")
+                    failures += compare(entry, _statistics(e), route)
                     step()
     return failures

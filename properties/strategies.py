@@ -37,6 +37,9 @@ class Drawn(Cube):
     def __repr__(self) -> str:
         return self.words
 
+    def _repr_pretty_(self, printer: Any, cycle: bool) -> None:  # what hypothesis prints of it
+        printer.text(self.words)
+
 
 SIDES = (11, 12, 13, 16, 17, 19, 23, 25, 31, 32, 36)
 TIMES = (97, 100, 101, 107, 112, 121, 128)
@@ -65,7 +68,8 @@ def windows() -> st.SearchStrategy[str]:
 def offsets(reach: float = 12.0) -> st.SearchStrategy[float]:
     """Distances from a line in bins: any, on bins, and within rounding of them."""
     near = st.sampled_from([0.0, 1e-12, 1e-9, 1e-6, 1e-3, 0.25, 0.5])
-    return st.one_of(st.floats(-reach, reach), st.builds(lambda n, r, s: n + s * r, st.integers(-int(reach), int(reach)),
+    any_ = st.floats(-reach, reach).filter(lambda v: v == 0 or abs(v) > 1e-300)  # whose reciprocal is a number
+    return st.one_of(any_, st.builds(lambda n, r, s: n + s * r, st.integers(-int(reach), int(reach)),
                                                          near, st.sampled_from([-1, 1])))
 
 
@@ -87,10 +91,10 @@ def waves(draw: st.DrawFn, grid: Grid, most: int = 4) -> Components:
     """A few waves on bins, between them, and within rounding of them; not on any dispersion surface."""
     count = draw(st.integers(1, most))
     at = np.array([[draw(positions(n)) for n in grid.shape] for _ in range(count)])
-    k = at * np.array(grid.bin_widths)
+    kx, ky, omega = (at * np.array(grid.bin_widths)).T
     amplitude = [draw(st.floats(0.1, 2.0)) for _ in range(count)]
     phase = [draw(st.floats(0.0, 6.28)) for _ in range(count)]
-    return Components(*k.T, np.array(amplitude), np.array(phase))
+    return Components(kx, ky, omega, np.array(amplitude), np.array(phase))
 
 
 def currents(fastest: float = 0.25) -> st.SearchStrategy[tuple[float, float]]:

@@ -8,8 +8,8 @@ from hypothesis import given
 
 from leakref.certify.cubes import Cube
 from leakref.certify.judging import EXACT, exactly, vector
-from leakref.properties.examined import PRECISION, Examined
-from leakref.properties.strategies import examples, pairs, singles
+from .examined import PRECISION, Examined
+from .strategies import examples, pairs, singles
 
 
 @examples(30)

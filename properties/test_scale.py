@@ -9,8 +9,8 @@ from hypothesis import given, strategies as st
 
 from leakref.certify.cubes import Cube
 from leakref.certify.expected import unflagged
-from leakref.properties.examined import PRECISION, Examined, same
-from leakref.properties.strategies import examples, seas
+from .examined import PRECISION, Examined, same
+from .strategies import examples, seas
 
 
 @examples(16)

@@ -9,8 +9,8 @@ from hypothesis import given, strategies as st
 
 from leakref._base import FloatArray
 from leakref.certify.cubes import Cube
-from leakref.properties.examined import Examined, same
-from leakref.properties.strategies import examples, seas
+from .examined import Examined, same
+from .strategies import examples, seas
 
 Change = Callable[[FloatArray, int], FloatArray]
 BROAD = 150.0

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import example, given, strategies as st
 
 from leakref._base import FloatArray
-from leakref.properties.examined import SINGLE, Examined
-from leakref.properties.strategies import examples, offsets, sizes, windows
+from .examined import SINGLE, Examined
+from .strategies import examples, offsets, sizes, windows
 
 COSINES = {"box": (1.0,), "hann": (0.5, 0.5), "blackman": (0.42, 0.5, 0.08)}
 """a_j of w = sum of a_j cos(2 pi j t / T), t from the middle: eq:hann and app:window_comparison."""
@@ -39,13 +39,13 @@ def test_lobe_is_the_transform_of_the_textbook_window(rooms: Any, name: str, off
 @examples(100)
 @given(name=st.sampled_from(list(COSINES)), distance=st.integers(1, 10**6))
 def test_lobes_vanish_on_bins(rooms: Any, name: str, distance: int) -> None:
-    """Beyond the bins of the window's own lines, to 1e-16: each line is a sinc, sin(pi v) / (pi v), at a whole v."""
+    """Beyond the bins of the window's own lines, to 3e-16: each is a sinc, sin(pi v) / (pi v), and pi v is rounded."""
     lines = len(COSINES[name])
     for v in (distance + lines - 1, -distance - lines + 1):
-        assert abs(float(rooms.window.window(name).transform(v))) < 1e-16
+        assert abs(float(rooms.window.window(name).transform(v))) < 3e-16
 
 
-@examples(200)
+@examples(100)
 @given(data=st.data(), name=windows(), size=sizes(128))
 def test_response_is_the_sum_over_samples(rooms: Any, data: st.DataObject, name: str, size: int) -> None:
     """On every bin, for a wave on a bin, between bins or within rounding of one, to 2e-14 of the number of samples: what

@@ -27,9 +27,9 @@ def test_the_list_is_long_enough_and_every_entry_is_in_order():
     for identifier, fault in FAULTS.items():
         assert fault.id == identifier == identifier.lower()
         assert bool(fault.changes) != bool(fault.instead), f"{identifier} is either a change or something else instead"
-        assert fault.words[0].islower() or fault.words[0].isupper()
+        assert fault.words[0].isalpha()
         assert not fault.words.endswith(".")
-        assert len({f.words for f in FAULTS.values()}) == len(FAULTS)
+    assert len({fault.words for fault in FAULTS.values()}) == len(FAULTS)
 
 
 def test_every_witness_is_a_finding_that_there_is():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import subprocess
+from importlib import resources
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from tools import requires
 from leakref import files
 from leakref.cases import Configuration
 from leakref.dispersion import Scales
+from leakref.golden import Golden, locate
 
 
 @pytest.fixture(scope="module")
@@ -63,6 +65,22 @@ def test_what_octave_saves_is_read(octave, tmp_path, option, kind):
     assert np.array_equal(cube.surface, np.arange(210.0).reshape((5, 6, 7), order="F"))
     assert cube.grid.spacing == (0.3, 0.7, 0.11)
     assert (cube.gravity, cube.units) == (9.81, "si")
+
+
+def snippet(language: str) -> str:
+    """The first block of code in that language in golden/README.md."""
+    readme = resources.files("leakref._golden").joinpath("README.md").read_text(encoding="utf-8")
+    return readme.partition(f"```{language}\n")[2].partition("```")[0]
+
+
+def test_golden_values_are_read_as_the_readme_says(octave, tmp_path):
+    (tmp_path / "golden").mkdir()
+    (tmp_path / "golden" / "v1").symlink_to(str(locate(1)))
+    *w, allowed = map(float, octave(snippet("matlab") + 'printf("%.17g ", w, allowed);', tmp_path).split())
+    entry = Golden().entry("window-hann-7")
+    # jsondecode of Octave is not always right in the last bit
+    assert np.allclose(w, entry.output["w"], rtol=2**-52, atol=0)
+    assert np.isclose(allowed, float(entry.tolerance("w")), rtol=2**-52, atol=0)
 
 
 def test_the_requirement_fails_where_it_is_asked_for(monkeypatch):

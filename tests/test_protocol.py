@@ -171,9 +171,11 @@ def test_one_that_forks_and_hangs_leaves_no_offspring(session, tmp_path):
 
 
 def test_one_that_forks_and_ends_leaves_no_offspring(session, tmp_path):
-    deeds = "linger(session=True, orphan=True); os._exit(0)", "linger(session=True, orphan=True); say(good(request))"
+    ends, goes_on = "; os._exit(0)", "; say(good(request))"
+    deeds = [f"linger(session=True, orphan=True){ends}", f"linger(bare=True, orphan=True){ends}",
+             f"linger(session=True, orphan=True){goes_on}"]
     with session(*deeds, own=OFFSPRING) as subject:
-        assert judged(subject, 2) == [("error", "ended by itself, with exit status 0"), ("ok", "")]
+        assert judged(subject, 3) == [*2 * [("error", "ended by itself, with exit status 0")], ("ok", "")]
         assert len(running(tmp_path)) == 2  # one is still waited for, beside the program: `left_behind` looks again
 
 
@@ -194,7 +196,7 @@ def test_nothing_but_garbage_is_out_of_time(session):
 
 
 def test_answers_twice_or_to_another_question_are_errors(session, tmp_path):
-    deeds = ["print(json.dumps(good(request)) + '\\n' + json.dumps(good(request)), flush=True)",
+    deeds = ["os.write(1, 2 * (json.dumps(good(request)) + '\\n').encode())",
              "say(good(request) | {'id': request['id'] + 1})", "say(good(request) | {'id': True})",
              "say(good(request) | {'id': str(request['id'])})", "say(READY); say(good(request))", "say({'op': 'run'})"]
     with session(*deeds) as subject:
@@ -213,6 +215,18 @@ def test_a_second_answer_that_comes_late_is_nobody_elses(session):
         verdict, message = ask(subject, rows=3)
         assert (verdict, "without being asked" in message) == ("error", True)
         assert ask(subject, rows=4) == ("ok", "")
+    assert subject.violations == []
+
+
+def test_what_is_said_after_the_last_answer_is_a_violation(session, tmp_path):
+    with session("say(good(request)); say({'op': 'by the way'}); open(HERE + '/said', 'w').close()") as subject:
+        ask(subject)
+        end = time.monotonic() + 20
+        while not (tmp_path / "said").exists() and time.monotonic() < end:
+            time.sleep(0.01)
+        time.sleep(0.1)  # from the pipe to the reader
+        assert subject.violations == []
+    assert subject.violations == ["said without being asked: {'op': 'by the way'}"]
 
 
 def test_only_status_ok_is_an_answer(session):

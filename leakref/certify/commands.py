@@ -90,13 +90,19 @@ def run(request: Request, *, json: bool = False) -> int:
     except HarnessBroken as broken:
         console().print(f"[red]Could not judge:[/] {escape(str(broken))}", soft_wrap=True)
         return 3
-    found = _explained(found, request.deep)
+    found = _explained(_named(found, request), request.deep)
     written = _write(found, request.report)
     if json:
         print(dump(found.record()))
     else:
         _print(found, written)
     return found.status
+
+
+def _named(found: Certificate, request: Request) -> Certificate:
+    """With what was asked for in the lines that show a finding again."""
+    said = shlex.quote(request.target) if request.target else f"--command {shlex.quote(str(request.command))}"
+    return replace(found, findings=[replace(f, repro=f.repro.replace("TARGET", said)) for f in found.findings])
 
 
 def _explained(found: Certificate, deep: bool) -> Certificate:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -48,7 +47,8 @@ class ProcessSubject(Subject):
 
     `command` is its argument list, `folder` where it runs (default: here), `keep` a folder in which the files
     exchanged stay. On entry LeakrefError if it cannot be started or refuses, HarnessBroken if it does not answer.
-    What it changes in the exchange folder, other than its output, is added to `violations`.
+    What it changes in the exchange folder, other than its output, is added to `violations`; on exit, what it has said
+    after its last answer.
     """
 
     def __init__(self, command: Sequence[str], *, limits: Limits | None = None, keep: Path | None = None,
@@ -82,6 +82,8 @@ class ProcessSubject(Subject):
         """End the program and all it has started; remove what was exchanged."""
         try:
             if self._child and not self._asking:
+                if said := self._child.unasked():
+                    self.violations.append(f"said without being asked: {printable(said[0])}")
                 self._child.stop()
         finally:
             self._end()
@@ -168,7 +170,7 @@ class ProcessSubject(Subject):
             self._exchange.note("answer.json", answer)
             if shape:
                 return {_OUTPUTS[stage]: self._exchange.take(_OUTPUTS[stage], shape)}
-            return _checked(answer)
+            return {name: answer[name] for name in ("velocities", "wavenumbers") if name in answer}
         except Breach as breach:
             said = self._blamed(breach)
             self._end()
@@ -227,13 +229,3 @@ class ProcessSubject(Subject):
 
 def _first(declared: Declaration, stage: str, names: str) -> str:
     return str(next(iter(declared.can[stage].get(names, ())), "hann"))
-
-
-def _checked(answer: Mapping[str, Any]) -> dict[str, Any]:
-    """The part of an answer to `extract` that a Subject reads, with wavenumbers that are numbers if there are any."""
-    found = {name: answer[name] for name in ("velocities", "wavenumbers") if answer.get(name) is not None}
-    at = found.get("wavenumbers", [1.0])
-    if not isinstance(at, list) or not at or not all(
-            isinstance(k, int | float) and not isinstance(k, bool) and math.isfinite(k) for k in at):
-        raise Unanswered(Verdict.FAIL, f"wavenumbers are {printable(at, 80)}, should be a list of numbers")
-    return found

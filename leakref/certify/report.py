@@ -6,11 +6,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from leakref import __version__
+from leakref._base import FloatArray
 from leakref.certify.certificate import Certificate
-from leakref.certify.registry import FAMILIES, chosen
+from leakref.certify.registry import FAMILIES, Check, chosen
 from leakref.certify.verdict import Finding, Verdict
 
 __all__ = ["badge", "page", "sentence"]
@@ -39,8 +41,9 @@ def page(certificate: Certificate, pictures: Sequence[Mapping[str, str]] = ()) -
     """One self-contained page of HTML, readable without scripts. `pictures`: title, words, and data, PNG in base64."""
     known = {f"{c.id}[{case.id}]": c for c, case in chosen()}
     grade = certificate.grade or "not judged"
-    rows = [(family, [_row(f, known, certificate) for f in certificate.findings if f.family == family])
-            for family, _ in certificate.families()]
+    first = {f.id.partition("[")[0]: f for f in reversed(certificate.wrong)}  # of each check: these are opened
+    rows = [(family, [_row(f, known.get(f.id), f in first.values()) for f in certificate.findings
+                      if f.family == family]) for family, _ in certificate.families()]
     return _PAGES.get_template("certificate.html").render(
         certificate=certificate, said=certificate.declaration, grade=grade, version=__version__, pictures=pictures,
         grade_class=certificate.grade or "unjudged", sentence=sentence(certificate), families=FAMILIES, findings=rows,
@@ -63,35 +66,40 @@ def _declared(said: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         yield stage, told or "offered"
 
 
-def _row(finding: Finding, known: Mapping[str, Any], certificate: Certificate) -> dict[str, Any]:
-    check = known.get(finding.id)
-    return {"finding": finding, "reason": check.reason if check else "", "open": finding in certificate.wrong,
+def _row(finding: Finding, check: Check | None, is_open: bool) -> dict[str, Any]:
+    return {"finding": finding, "reason": check.reason if check else "", "open": is_open,
             "tolerance": check.tolerance if check else "", "drawings": list(_drawings(finding.figures))}
 
 
 def _drawings(figures: Mapping[str, Any], title: str = "velocities") -> Iterator[dict[str, Any]]:
     """Arrows of every part of the figures that has velocities (n, 2) and what they should be."""
     if {"wavenumbers", "velocities", "should_be"} <= set(figures):
-        yield _arrows(title, *(np.asarray(figures[name], dtype=float)
-                               for name in ("wavenumbers", "velocities", "should_be")),
-                      np.asarray(figures.get("over", np.zeros(len(figures["wavenumbers"]))), dtype=float))
+        labels = [f"k = {k:.3g}" for k in figures["wavenumbers"]]
+        yield _arrows(title, labels, figures["velocities"], figures["should_be"],
+                      figures.get("over", np.zeros(len(labels))))
+        return
+    if {"velocity", "should_be"} <= set(figures):
+        yield _arrows(title, ["mean"], [figures["velocity"]], [figures["should_be"]],
+                      [2.0 * bool(figures.get("image"))])
         return
     for name, part in figures.items():
         if isinstance(part, Mapping):
             yield from _drawings(part, str(name))
 
 
-def _arrows(title: str, k: Any, found: Any, should: Any, over: Any) -> dict[str, Any]:
+def _arrows(title: str, labels: Sequence[str], *values: npt.ArrayLike) -> dict[str, Any]:
+    """`values`: found (n, 2), should be (n, 2), effect over tolerance (n,)."""
+    found, should, over = (np.asarray(value, dtype=np.float64) for value in values)
     longest = np.nanmax(np.abs(np.concatenate([found, should])), initial=1e-12)
-    x = 60 + 110 * np.arange(len(k))
+    x = 60 + 110 * np.arange(len(labels))
 
-    def end(n: int, c: Any) -> tuple[float, float]:
+    def end(n: int, c: FloatArray) -> tuple[float, float]:
         u, v = np.nan_to_num(c) / longest * 45
         return round(float(x[n] + u), 1), round(float(55 - v), 1)
 
     arrows = []
-    for n in range(min(len(k), _MOST)):
+    for n, label in enumerate(labels[:_MOST]):
         (tx, ty), (fx, fy) = end(n, should[n]), end(n, found[n])
-        arrows.append({"x": int(x[n]), "tx": tx, "ty": ty, "fx": fx, "fy": fy, "k": f"{k[n]:.3g}",
+        arrows.append({"x": int(x[n]), "tx": tx, "ty": ty, "fx": fx, "fy": fy, "label": label,
                        "colour": "#b3261e" if over[n] > 1 else "#00695c"})
     return {"title": title, "width": 120 + 110 * max(0, len(arrows) - 1), "arrows": arrows}

@@ -201,7 +201,7 @@ def _rows(answer: Mapping[str, Any], asked: FloatArray, d: Declaration) -> tuple
         given = [None if np.ma.getmaskarray(row).any() else row.tolist() for row in given]
     elif isinstance(given, np.ndarray):
         given = list(given) if given.ndim == 2 else given
-    at = answer.get("wavenumbers")
+    at = _numbers(answer.get("wavenumbers"))
     if at is None and "wavenumbers" in d.fixed and not d.band:
         raise Unanswered(Verdict.FAIL, "its wavenumbers are fixed, and the answer does not say which they are")
     expected = 1 if d.band else len(at) if at is not None else asked.size
@@ -212,11 +212,24 @@ def _rows(answer: Mapping[str, Any], asked: FloatArray, d: Declaration) -> tuple
     for n, row in enumerate(given):
         try:
             found[n] = (np.nan, np.nan) if row is None else np.asarray(row, dtype=np.float64).reshape(2)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             raise Unanswered(Verdict.FAIL, f"velocities[{n}] is {row!r}, should be two numbers or null") from None
         if row is not None and not np.isfinite(found[n]).all():
             found[n] = np.inf  # told apart from a declined one, and refused below
-    return found, None if at is None else np.asarray(at, dtype=np.float64)
+    return found, at
+
+
+def _numbers(given: Any) -> FloatArray | None:
+    """The wavenumbers of an answer, (m,), if it names any."""
+    if given is None:
+        return None
+    try:
+        at = np.asarray(given, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        at = np.empty(0)
+    if at.ndim != 1 or not at.size or not np.isfinite(at).all():
+        raise Unanswered(Verdict.FAIL, f"wavenumbers are {str(given)[:80]}, should be a list of numbers")
+    return at
 
 
 def _refuse_bad(found: FloatArray) -> None:

@@ -20,12 +20,12 @@ LONG = Grid((40, 42, 144), (0.72, 0.7, 0.8))
 
 @check("scale", "sec:dimensions", "a tenth of the smaller resolution (eq:dcdwk) where the reference notes nothing: in "
        "scaled units the two are one computation", [
-           Case("4", {"scale": 4.0, "tapered": True}), Case("quarter", {"scale": 0.25, "tapered": True}, quick=False),
-           Case("4-untapered", {"scale": 4.0, "tapered": False}),
-           Case("quarter-untapered", {"scale": 0.25, "tapered": False}, quick=False)])
+           Case(name + ("" if tapered else "-untapered"), {"scale": scale, "tapered": tapered}, quick=quick)
+           for name, scale, quick in (("4", 4.0, True), ("sixteenth", 1 / 16, True), ("quarter", 0.25, False),
+                                      ("16", 16.0, False)) for tapered in (True, False)])
 def check_peak(subject: Subject, case: Case) -> Outcome:
-    """The same sea with waves a quarter or four times as long: a width in rad/s, a gravity, a search range or a
-    threshold that was set for one sea state gives another current, and is as sure of it."""
+    """The same sea with waves four times shorter or sixteen times longer: a width in rad/s, a gravity, a search range
+    or a threshold that was set for one sea state gives another current, and is as sure of it."""
     window = taper(subject) if case.given["tapered"] else bare(subject)
     cube = cubes.sea(70.0, 100.0, UniformCurrent(polar(0.2, -30.0)), realization=11, wavenumbers=(1.3, 1.6, 2.0, 2.5))
 

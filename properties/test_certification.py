@@ -1,0 +1,22 @@
+"""The checks of `leakref certify`, one test for each finding: on an implementation that is named, and on that only."""
+
+from __future__ import annotations
+
+import pytest
+
+from leakref.certify.pytesting import settle
+from leakref.certify.registry import Case, Check, chosen
+from leakref.plugin import ASKED
+from .examined import Examined
+
+
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    """The checks of the profile that is asked for."""
+    asked = metafunc.config.pluginmanager.get_plugin(ASKED)
+    pairs = chosen(profile=asked.profile if asked else "quick")
+    metafunc.parametrize(("check", "case"), pairs, ids=[f"{check.id}[{case.id}]" for check, case in pairs])
+
+
+def test_check(examined: Examined, check: Check, case: Case) -> None:
+    """What the check says of its own tolerance; `leakref explain` prints it."""
+    settle(check(examined.subject, case))
