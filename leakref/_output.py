@@ -87,8 +87,8 @@ def console() -> Console:
 
 
 @contextmanager
-def progress_bar(what: str, total: int) -> Iterator[Callable[[], None]]:
-    """A bar with rate and time left, on a terminal; yields the function to call after each step."""
+def progress_bar(what: str, total: int | None) -> Iterator[Callable[[], None]]:
+    """A bar with rate and time left (where the total is known), on a terminal; yields what to call after each step."""
     from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
     from rich.progress import Progress as Bar
 

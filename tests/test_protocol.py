@@ -10,6 +10,7 @@ import sys
 import tempfile
 import threading
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -54,6 +55,7 @@ for line in sys.stdin:
     else:
         say(good(request))
 '''
+LATER = "while not os.path.exists(HERE + '/go'): time.sleep(0.01)\n"
 OFFSPRING = '''
 def linger(*, session=False, orphan=False, bare=False):
     """A process that ignores every polite signal."""
@@ -118,11 +120,13 @@ def ask(subject, rows=2):
     return "ok", ""
 
 
-def judged(subject, deeds=1):
+def judged(subject, deeds=1, patience=120.0):
     """Verdict and message for each bad run. After each a good one, which is answered as if nothing had happened."""
-    found = []
+    found, limits = [], subject.limits
     for n in range(deeds):
+        subject.limits = replace(limits, run=patience)
         found.append(ask(subject))
+        subject.limits = limits
         assert ask(subject, rows=3) == ("ok", ""), n
     return found
 
@@ -148,25 +152,25 @@ def test_a_crash_is_an_error(session, tmp_path):
 
 
 def test_a_program_that_hangs_is_out_of_time(session):
-    with session("time.sleep(600)", run=1.0) as subject:
-        assert judged(subject) == [("timeout", "gave no answer within 1 s")]
+    with session("time.sleep(600)") as subject:
+        assert judged(subject, patience=0.5) == [("timeout", "gave no answer within 0.5 s")]
 
 
 def test_a_program_that_does_not_read_is_out_of_time(session):
-    with session(run=1.0) as subject:
-        assert ask(subject) == ("ok", "")
+    with session() as subject:
         os.kill(subject._child._popen.pid, signal.SIGSTOP)
-        verdict, _ = ask(subject, rows=20_000)  # a line longer than any pipe holds
-        assert verdict == "timeout"
+        limits, subject.limits = subject.limits, Limits(run=0.5)
+        assert ask(subject, rows=20_000)[0] == "timeout"  # a line longer than any pipe holds
+        subject.limits = limits
         assert ask(subject) == ("ok", "")
 
 
 def test_one_that_forks_and_hangs_leaves_no_offspring(session, tmp_path):
     deeds = [f"linger({how}); time.sleep(600)" for how in
              ("session=True", "session=True, orphan=True", "bare=True, orphan=True")]
-    with session(*deeds, own=OFFSPRING, run=1.0) as subject:
+    with session(*deeds, own=OFFSPRING) as subject:
         for _ in deeds:
-            assert judged(subject) == [("timeout", "gave no answer within 1 s")]
+            assert judged(subject, patience=1.0) == [("timeout", "gave no answer within 1 s")]
             assert len(running(tmp_path)) == 1  # the one that was started afterwards
 
 
@@ -188,10 +192,11 @@ def test_garbage_between_the_lines_is_ignored(session, tmp_path):
 
 
 def test_nothing_but_garbage_is_out_of_time(session):
-    with session("while True: os.write(1, b'garbage' * 9999)", run=1.0) as subject:
+    with session("while True: os.write(1, b'garbage' * 9999)") as subject:
         before = psutil.Process().memory_info().rss
-        assert judged(subject) == [("timeout", "gave no answer within 1 s; its last words: (a line of more than "
-                                               "4194304 bytes)")]
+        ((verdict, message),) = judged(subject, patience=1.0)
+        assert (verdict, message[:27]) == ("timeout", "gave no answer within 1 s; ")
+        assert "a line of more than 4194304 bytes" in message
         assert psutil.Process().memory_info().rss - before < 100 * 2**20  # it came to gigabytes a minute
 
 
@@ -206,12 +211,11 @@ def test_answers_twice_or_to_another_question_are_errors(session, tmp_path):
     assert starts(tmp_path) == 1 + len(deeds)
 
 
-def test_a_second_answer_that_comes_late_is_nobody_elses(session):
-    with session("say(good(request)); time.sleep(0.3); say(good(request))") as subject:
+def test_a_second_answer_that_comes_late_is_nobody_elses(session, tmp_path):
+    with session(f"say(good(request))\n{LATER}say(good(request))") as subject:
         assert ask(subject) == ("ok", "")
-        end = time.monotonic() + 20
-        while not subject._child._waiting and time.monotonic() < end:
-            subject._child._gather(0.05)
+        (tmp_path / "go").touch()
+        assert subject._child._gather(60.0)
         verdict, message = ask(subject, rows=3)
         assert (verdict, "without being asked" in message) == ("error", True)
         assert ask(subject, rows=4) == ("ok", "")
@@ -219,12 +223,10 @@ def test_a_second_answer_that_comes_late_is_nobody_elses(session):
 
 
 def test_what_is_said_after_the_last_answer_is_a_violation(session, tmp_path):
-    with session("say(good(request)); say({'op': 'by the way'}); open(HERE + '/said', 'w').close()") as subject:
-        ask(subject)
-        end = time.monotonic() + 20
-        while not (tmp_path / "said").exists() and time.monotonic() < end:
-            time.sleep(0.01)
-        time.sleep(0.1)  # from the pipe to the reader
+    with session(f"say(good(request))\n{LATER}say({{'op': 'by the way'}})") as subject:
+        assert ask(subject) == ("ok", "")
+        (tmp_path / "go").touch()
+        assert subject._child._gather(60.0)
         assert subject.violations == []
     assert subject.violations == ["said without being asked: {'op': 'by the way'}"]
 
@@ -344,6 +346,7 @@ def test_a_start_that_fails_is_a_breach_too(session):
     ("def good(request): os._exit(2)", "exit status 2"),
     ("def good(request): time.sleep(600)", "gave no answer within 0.7 s"),
     ("def good(request): return {'id': 1, 'status': 'error', 'message': 'too small'}", "too small"),
+    ("def good(request, good=good): return good(request) | {'id': True}", "to the request with id 1"),
     ("raise SystemExit('usage: program FILE')", "usage: program FILE"),
     ("print('usage: program FILE'); sys.exit()", "usage: program FILE"),
     ("READY['protocol'] = 2", '"protocol": 1'), ("READY['op'] = 'hello'", '"op": "ready"'),

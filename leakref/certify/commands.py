@@ -16,7 +16,7 @@ from leakref._base import LeakrefError
 from leakref._output import console, dump, folder, progress_bar, write_whole
 from leakref.certify.certificate import Certificate, junit, read_known, schema
 from leakref.certify.connect import HarnessBroken, Limits, connect
-from leakref.certify.diagnosis import departure, diagnose
+from leakref.certify.diagnosis import explained
 from leakref.certify.judge import certify
 from leakref.certify.registry import chosen
 from leakref.certify.verdict import Verdict
@@ -90,7 +90,10 @@ def run(request: Request, *, json: bool = False) -> int:
     except HarnessBroken as broken:
         console().print(f"[red]Could not judge:[/] {escape(str(broken))}", soft_wrap=True)
         return 3
-    found = _explained(_named(found, request), request.deep)
+    found = _named(found, request)
+    if found.wrong:
+        with progress_bar("faults compared with what fell short", None) as step:
+            found = explained(found, deep=request.deep, after_each=step)
     written = _write(found, request.report)
     if json:
         print(dump(found.record()))
@@ -103,16 +106,6 @@ def _named(found: Certificate, request: Request) -> Certificate:
     """With what was asked for in the lines that show a finding again."""
     said = shlex.quote(request.target) if request.target else f"--command {shlex.quote(str(request.command))}"
     return replace(found, findings=[replace(f, repro=f.repro.replace("TARGET", said)) for f in found.findings])
-
-
-def _explained(found: Certificate, deep: bool) -> Certificate:
-    """With a diagnosis, if anything fell short that was not known."""
-    if not found.wrong:
-        return found
-    with progress_bar("faults compared", 0) as step:
-        said = diagnose(found.wrong, deep=deep, after_each=step)
-    return replace(found, diagnosis=[one.record() for one in said.hypotheses], explanation=said.words,
-                   departs_at=departure(found.findings))
 
 
 def _split(command: str) -> list[str]:

@@ -21,12 +21,13 @@ import numpy.typing as npt
 
 from leakref._base import FloatArray, LeakrefError
 from leakref.certify import faults
+from leakref.certify.certificate import Certificate
 from leakref.certify.inprocess import InProcess
 from leakref.certify.registry import Case, Check, chosen
 from leakref.certify.subject import Call
 from leakref.certify.verdict import Finding, Verdict
 
-__all__ = ["ENOUGH", "Diagnosis", "Hypothesis", "departure", "diagnose"]
+__all__ = ["ENOUGH", "Diagnosis", "Hypothesis", "departure", "diagnose", "explained"]
 
 ENOUGH = 3.0
 """Digits of agreement from which a fault explains an answer: far more than two velocities share by chance."""
@@ -88,6 +89,13 @@ def departure(findings: Iterable[Finding]) -> str:
 
 def _stage(finding: Finding) -> str:
     return next(c.stage for c, case in chosen([finding.id.partition("[")[0]]))
+
+
+def explained(certificate: Certificate, *, deep: bool = False, after_each: Step = lambda: None) -> Certificate:
+    """The certificate with a diagnosis of what fell short and was not known, if anything did; see `diagnose`."""
+    said = diagnose(certificate.wrong, deep=deep, after_each=after_each)
+    return replace(certificate, diagnosis=[one.record() for one in said.hypotheses], explanation=said.words,
+                   departs_at=departure(certificate.findings) if certificate.wrong else "")
 
 
 def diagnose(findings: Sequence[Finding], *, deep: bool = False, after_each: Step = lambda: None) -> Diagnosis:

@@ -19,7 +19,7 @@ from leakref.window import window
 __all__ = ["decisions_figure", "draw", "picture"]
 
 _MOST = 12  # panels
-_LOOKS = {"shown": COLOURS[2], "open": "0.6", "contradicted": COLOURS[1]}
+_LOOKS = {"shown": (COLOURS[2], "o", 2.5), "open": ("0.6", "_", 4), "contradicted": (COLOURS[1], "x", 3.5)}
 _ANSWERS = {True: "holds", False: "does not hold", None: "open"}
 
 
@@ -73,8 +73,9 @@ def _panel(ax: Any, tally: Tally) -> None:
              "open": ~(tally.shown | tally.contradicted)}
     for name, mask in masks.items():
         if mask.any():
-            ax.errorbar(at[mask], tally.margin[mask], 2 * tally.error[mask], fmt="o", ms=2.5, lw=0.8,
-                        color=_LOOKS[name], label=f"{name} {mask.sum()}", alpha=0.8)
+            colour, marker, size = _LOOKS[name]
+            ax.errorbar(at[mask], tally.margin[mask], 2 * tally.error[mask], fmt=marker, ms=size, lw=0.8,
+                        color=colour, label=f"{name} {mask.sum()}", alpha=0.8)
     ax.axhline(0, color="black", lw=0.8)
     ax.set_xlabel("$k$ / $k_0$" if by_shell else "comparison, in the order of the case")
     ax.set_ylabel("holds by")
