@@ -253,6 +253,19 @@ def _ensembles(c: Configuration, found: Sequence[Ensemble],
     return records
 
 
+def _inherit(record: dict[str, Any], certified: Mapping[str, Entry]) -> None:
+    """Give an ensemble, which is by route B alone, the digits that both routes share in its certified realisations."""
+    c, name = _configuration(record["id"]), f"{record['input']['window']}_{record['input']['method']}"
+    ids = [_realization_id(c, number) for number in _CERTIFIED]
+    if missing := [i for i in ids if i not in certified]:
+        raise LeakrefError("golden.regenerate", f"{record['id']} has its digits from {missing[0]}, which is not there",
+                           f"make that first: leakref golden regenerate '{missing[0]}'")
+    digits = min(certified[i].record["accuracy"][name]["digits"] for i in ids)
+    for statistic, said in record["accuracy"].items():
+        if statistic != "count":  # a whole number
+            said["digits"] = min(said["digits"], digits)
+
+
 def _softnesses(c: Configuration, number: int) -> dict[tuple[str, str], list[float]]:
     """By how much each velocity of a realisation is worse conditioned than `UNFLAGGED`; 1 where there is none."""
     with threadpool_limits(limits=1):
@@ -440,6 +453,8 @@ def regenerate(wanted: Sequence[str], folder: Path, *, work: Path | None = None,
     rows, beside = [], dict(old)
     for record in _make(chosen, work, workers, step):
         record = json.loads(json.dumps(to_json(record)))
+        if record["stage"] == "ensemble":
+            _inherit(record, old)
         record, arrays = _split(record, possible[record["id"]], archived.get(record["id"], ()))
         new = Entry(possible[record["id"]], record, arrays)
         before = old.get(new.id)

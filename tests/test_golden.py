@@ -321,9 +321,15 @@ def test_routes_that_disagree_make_nothing(monkeypatch, tmp_path):
     assert not (tmp_path / "vectors").exists()
 
 
-def test_a_realisation_is_made_by_both_routes_and_found_again_when_interrupted(small, tmp_path, monkeypatch):
+@pytest.fixture(scope="module")
+def work(tmp_path_factory):
+    """Where what is slow to make is found again."""
+    return tmp_path_factory.mktemp("work")
+
+
+def test_a_realisation_is_made_by_both_routes_and_found_again_when_interrupted(small, tmp_path, work, monkeypatch):
     name = "realization-L-T/L=5,T=10/0"
-    goldenmaking.regenerate([name], small, work=tmp_path)
+    goldenmaking.regenerate([name], small, work=work)
     assert lint(Golden(small)).ok
     entry = Golden(small).entry(name)
     assert entry.record["origin"] == {"values": "A", "confirmed_by": ["B"]}
@@ -350,8 +356,12 @@ def test_a_realisation_is_made_by_both_routes_and_found_again_when_interrupted(s
     assert "hann_nsp[3, 1]" in failure.message
 
 
-def test_ensembles_are_made_and_checked(small, tmp_path, monkeypatch):
+def test_ensembles_are_made_and_checked(small, tmp_path, work, monkeypatch):
     monkeypatch.setattr(goldenmaking, "REALIZATIONS", 2)
+    monkeypatch.setattr(goldenmaking, "_CERTIFIED", (0,))
+    with pytest.raises(LeakrefError, match=r"has its digits from realization-L-T/L=5,T=10/0, which is not there"):
+        goldenmaking.regenerate(["ensemble-L-T/L=5,T=10/*"], small, work=tmp_path)
+    goldenmaking.regenerate(["realization-L-T/L=5,T=10/0"], small, work=work)
     goldenmaking.regenerate(["ensemble-L-T/L=5,T=10/*"], small, work=tmp_path)
     assert lint(Golden(small)).ok
     assert len(list(Golden(small).entries("ensembles"))) == 4
@@ -359,6 +369,8 @@ def test_ensembles_are_made_and_checked(small, tmp_path, monkeypatch):
     assert entry.record["input"]["realizations"] == 2
     assert entry.output["bias"].shape == entry.output["random"].shape == (16,)
     assert entry.output["count"].tolist() == [2] * 16
+    both = Golden(small).entry("realization-L-T/L=5,T=10/0").record["accuracy"]["hann_nsp"]["digits"]
+    assert entry.record["accuracy"]["bias"]["digits"] == both < 15.6 == entry.record["accuracy"]["count"]["digits"]
     assert goldenmaking.verify(Golden(small), full=True, work=tmp_path).ok
 
 
