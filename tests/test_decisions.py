@@ -14,7 +14,7 @@ from leakref.cases import CASES, Configuration
 from leakref.claims import decisionscommand, shifts
 from leakref.claims.registry import Claim
 from leakref.claims.shifts import Shifts, moving, rejudged, study, velocities
-from leakref.claims.stored import stored_decision, stored_decisions
+from leakref.claims.stored import stored_decision, stored_decisions, turned
 from leakref.claims.variants import CONFIGURATIONS, NONE, VARIANTS
 from leakref.claims.words import above, bias, every
 from leakref.decisions import DECISIONS
@@ -48,12 +48,13 @@ def literal(variant, configuration):
 def test_a_variant_is_the_same_in_the_compiled_and_in_the_literal_chain(id, reference):
     variant = VARIANTS[id]
     found, wanted = velocities(variant, SMALL, 0), literal(variant, SMALL)
-    found = found[:, :, -wanted.shape[2] :]  # other-shells lists fewer
-    np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-11)  # NaN where the other has it
+    wanted = wanted[:, :, :: 2 if id == "denser-shells" else 1]
+    stop = 1e-7 if id == "ls-by-simplex" else 1e-11  # which ends within 1e-8 of the minimum, by other paths
+    np.testing.assert_allclose(found, wanted, rtol=0, atol=stop)  # NaN where the other has it
     plain = np.array([[reference[w, m].velocities for m in variant.methods]
-                      for w in SMALL.windows if w in variant.windows])[:, :, -wanted.shape[2] :]
+                      for w in SMALL.windows if w in variant.windows])
     off = np.hypot(*np.moveaxis(wanted - plain, -1, 0))
-    acts = id not in {"other-shells", "printed-amplitudes", "ls-by-simplex"} | ACTS_NOT
+    acts = id not in {"denser-shells", "printed-amplitudes", "ls-by-simplex"} | ACTS_NOT
     assert (np.nanmax(off) > 1e-7 or np.isnan(off).any()) == acts
 
 
@@ -190,10 +191,16 @@ def test_what_is_kept_covers_every_variant_on_every_sea():
     for v in VARIANTS.values():
         for case, method, window in product(("all", *v.configurations), v.methods, v.windows):
             assert rows[v.id, case, method, window]["realizations"] == min(20, v.realizations)
-    for id in ("other-shells", "printed-amplitudes"):  # by construction
+    for id in ("denser-shells", "printed-amplitudes"):  # by construction
         assert all(row["unflagged"]["moved"] == 0 for (v, *_), row in rows.items() if v == id)
     assert stored_decision("D4")["question"] == DECISIONS["D4"].question
     assert stored_decision("D99") is None
+    for record in kept["decisions"]:
+        decision = DECISIONS[record["id"]]
+        assert (record["question"], record["reference"]) == (decision.question, decision.reference)
+        assert all(v["words"] == VARIANTS[v["id"]].words for v in record["variants"])
+        assert all(record["id"] in {row["decision"] for row in turned(claim)} for claim in record["claims_that_turn"])
+    assert turned("W1") == []
 
 
 def test_what_is_kept_is_found_again():

@@ -11,10 +11,9 @@ from leakref.claims import currents, directions, general, methods, peakedness, r
 from leakref.claims.configurations import EXTRA
 from leakref.claims.evidence import Evidence
 from leakref.claims.registry import CLAIMS as _CLAIMS
-from leakref.claims.registry import Claim, Finding, chosen
+from leakref.claims.registry import Claim, Finding, chosen, position
 
 __all__ = ["CLAIMS", "EXTRA", "Claim", "Evidence", "Finding", "chosen"]
 
-CLAIMS: dict[str, Claim] = {
-    id: _CLAIMS[id] for id in sorted(_CLAIMS, key=lambda i: ("WNAPRUG".index(i[0]), int(i[1:])))}
+CLAIMS: dict[str, Claim] = {id: _CLAIMS[id] for id in sorted(_CLAIMS, key=position)}
 """Every claim by its id, in the order of the paper's list."""

@@ -12,6 +12,7 @@ from rich.table import Table
 from leakref import LeakrefError, runs
 from leakref._output import console, dump, envelope, folder, progress_bar
 from leakref.claims import CLAIMS
+from leakref.claims.registry import position
 from leakref.claims.shifts import MOVED, Shifts, moving, rejudged, study, summary
 from leakref.claims.stored import stored_decisions, write
 from leakref.claims.variants import CONFIGURATIONS, NONE, VARIANTS, Variant
@@ -45,13 +46,9 @@ def _decision(id: str, found: dict[str, list[list[Shifts]]], judged: Sequence[Va
     decision = DECISIONS[id]
     variants = [{"id": v.id, "words": v.words, "paired": v.paired, "claims_judged": v in judged,
                  "rows": _rows(found[v.id])} for v in VARIANTS.values() if v.decision == id]
-    turned = sorted({claim["id"] for claim in claims if claim["decision"] == id and claim["flipped"]}, key=_order)
+    turned = sorted({claim["id"] for claim in claims if claim["decision"] == id and claim["flipped"]}, key=position)
     return {"id": id, "question": decision.question, "reference": decision.reference, "no_effect": NONE.get(id),
             "claims_that_turn": turned, "variants": variants}
-
-
-def _order(claim: str) -> int:
-    return list(CLAIMS).index(claim)
 
 
 def _rows(cases: list[list[Shifts]]) -> list[dict[str, Any]]:
@@ -144,7 +141,7 @@ def _turned(result: dict[str, Any]) -> Table:
                   caption="A reading turns if it held and does not, or the reverse. Judged are the variants that move "
                           "some velocity by more than 10 % of the smaller resolution, and "
                           + ("all claims about velocities" if result["full"] else
-                             "the claims that need only these seas: " + ", ".join(sorted(judged, key=_order))))
+                             "the claims that need only these seas: " + ", ".join(sorted(judged, key=position))))
     for name in ("claim", "decision", "instead", "verdict", "then", "readings that turn"):
         shown.add_column(name)
     for claim in result["claims"]:

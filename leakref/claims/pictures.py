@@ -10,6 +10,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
 
 from leakref.claims.registry import Finding
 from leakref.claims.words import Reading, Tally
@@ -19,6 +20,7 @@ from leakref.window import window
 __all__ = ["decisions_figure", "draw", "picture"]
 
 _MOST = 12  # panels
+_FAR_OFF = 20  # times the median margin
 _LOOKS = {"shown": (COLOURS[2], "o", 2.5), "open": ("0.6", "_", 4), "contradicted": (COLOURS[1], "x", 3.5)}
 _ANSWERS = {True: "holds", False: "does not hold", None: "open"}
 
@@ -31,18 +33,18 @@ def draw(finding: Finding, place: Path) -> list[Path]:
 def picture(finding: Finding) -> Figure:
     """A panel for each reading and comparison: the margin by which it holds, with two standard errors, against k.
 
-    Readings that differ only in how many shells must agree share a panel; beyond twelve, the rest is left out, and
-    said so. A claim without ensembles (windows, timings) is a panel of its readings.
+    Readings that rest on the same comparison share a panel, named after the first of them; beyond twelve, the rest is
+    left out, and said so. A claim without ensembles (windows, timings) is a panel of its readings.
     """
     panels: list[tuple[str, str, Tally]] = []
     seen = set()
     for reading in finding.readings:
-        choices = {name: chosen for name, chosen in reading.choices.items() if name not in ("holds at", "rises at")}
+        choices = [chosen for name, chosen in reading.choices.items() if name not in ("holds at", "rises at")]
         for part, tally in reading.tallies.items():
-            key = (tuple(choices.items()), part, tally.size)
+            key = (part, tally.margin.tobytes())
             if key not in seen:
                 seen.add(key)
-                panels.append((", ".join(choices.values()), part.replace("_", " "), tally))
+                panels.append((", ".join(choices), part.replace("_", " "), tally))
     if not panels:
         return _list(finding)
     left_out = len(panels) - _MOST
@@ -77,6 +79,11 @@ def _panel(ax: Any, tally: Tally) -> None:
             ax.errorbar(at[mask], tally.margin[mask], 2 * tally.error[mask], fmt=marker, ms=size, lw=0.8,
                         color=colour, label=f"{name} {mask.sum()}", alpha=0.8)
     ax.axhline(0, color="black", lw=0.8)
+    usual = float(np.median(np.abs(tally.margin))) if tally.size else 0.0
+    if usual and np.abs(tally.margin).max() > _FAR_OFF * usual:  # a few would press all others onto the axis
+        ax.set_yscale("symlog", linthresh=10.0 ** np.ceil(np.log10(usual)))
+    if not by_shell:
+        ax.xaxis.set_major_locator(MaxNLocator(integer=True))
     ax.set_xlabel("$k$ / $k_0$" if by_shell else "comparison, in the order of the case")
     ax.set_ylabel("holds by")
     if tally.size:
@@ -136,7 +143,7 @@ def decisions_figure(result: dict[str, Any]) -> Figure:
     rows = {method: found for method, found in rows.items() if found}
     most = max(map(len, rows.values()))
     with mpl.rc_context({"font.size": 8, "axes.titlesize": 10}):
-        drawing, axes = figure(1, len(rows), width=7.6 * len(rows), height=0.5 + 0.25 * most, sharex=True)
+        drawing, axes = figure(1, len(rows), width=7.6 * len(rows), height=max(2.0, 0.5 + 0.29 * most), sharex=True)
         for ax, (method, variants) in zip(axes[0], rows.items(), strict=True):
             for line, (_, _, members) in enumerate(variants):
                 _shift_lines(ax, line, members)
@@ -147,7 +154,7 @@ def decisions_figure(result: dict[str, Any]) -> Figure:
             for level, look in ((_TENTH, ":"), (1.0, "-")):
                 ax.axvline(level, color="0.4", lw=0.9, ls=look, zorder=0)
             ax.set_title(methods[method])
-            ax.set_xlabel("shift / smaller velocity resolution (dotted: a tenth of it)")
+            ax.set_xlabel("shift / smaller resolution")
         _shift_legend(drawing)
         drawing.suptitle("How far the velocities move if a decision is taken otherwise: median, 95th percentile, "
                          f"largest; {result['realizations']} realisations of {len(result['configurations'])} seas")
@@ -159,8 +166,8 @@ _WINDOW_LOOKS = {"box": (COLOURS[1], "o", "untapered"), "hann": (COLOURS[0], "D"
 
 
 def _label(id: str, variant: dict[str, Any]) -> str:
-    words = textwrap.shorten(variant["words"], 62, placeholder=" ...")
-    return f"{words}{'' if variant['paired'] else ' *'}  {id}"
+    words = textwrap.fill(variant["words"] + ("" if variant["paired"] else " *"), 58)
+    return f"{words}  {id}"
 
 
 def _shift_lines(ax: Any, line: int, rows: list[dict[str, Any]]) -> None:
@@ -180,4 +187,5 @@ def _shift_legend(drawing: Figure) -> None:
     handles = [Line2D([], [], color=colour, marker=marker, ms=4, lw=2, label=words)
                for colour, marker, words in _WINDOW_LOOKS.values()]
     handles.append(Line2D([], [], ls="", label="* other waves: what chance does"))
+    handles.append(Line2D([], [], color="0.4", ls=":", label="a tenth of the resolution; left edge: no shift"))
     drawing.legend(handles=handles, loc="outside lower center", ncols=len(handles))

@@ -10,7 +10,7 @@ from leakref._base import LeakrefError
 from leakref.claims.evidence import Evidence
 from leakref.claims.words import Reading
 
-__all__ = ["CLAIMS", "Claim", "Finding", "chosen", "claim"]
+__all__ = ["CLAIMS", "Claim", "Finding", "chosen", "claim", "position"]
 
 REPRODUCED, NOT_REPRODUCED, DEPENDS = "reproduced", "not reproduced", "depends on"
 Predicate = Callable[[Evidence], Iterable[Reading]]
@@ -66,7 +66,7 @@ class Finding:
 
 
 CLAIMS: dict[str, Claim] = {}
-"""Every claim by its id, in the order of the paper's list."""
+"""Every claim by its id, as their modules are imported."""
 
 
 def claim(id: str, words: str, label: str, test: str) -> Callable[[Predicate], Predicate]:
@@ -80,11 +80,16 @@ def claim(id: str, words: str, label: str, test: str) -> Callable[[Predicate], P
     return register
 
 
+def position(id: str) -> tuple[int, int]:
+    """Where a claim stands in the paper's list: its group, its number."""
+    return "WNAPRUG".index(id[0]), int(id[1:])
+
+
 def chosen(ids: Sequence[str]) -> list[Claim]:
-    """The claims named, one by one or by the letter of their group; all if none is. Raises LeakrefError."""
+    """The claims named, one by one or by the letter of their group; all in order if none is. Raises LeakrefError."""
     found: dict[str, Claim] = {}
-    for name in ids or CLAIMS:
-        matching = {key: value for key, value in CLAIMS.items() if name.upper() in (key, key[0])}
+    for name in ids or sorted(CLAIMS, key=position):
+        matching = {key: CLAIMS[key] for key in sorted(CLAIMS, key=position) if name.upper() in (key, key[0])}
         if not matching:
             raise LeakrefError("claims", f"no claim is called {name!r}", f"choose from {', '.join(CLAIMS)}")
         found |= matching

@@ -41,11 +41,14 @@ def _spectra(configuration: Configuration, realization: int, windows: tuple[str,
     return fastspectra.magnitudes(configuration.components(realization), grid, tapers, fastspectra.Disc(grid, radius))
 
 
-def velocities(variant: Variant, configuration: Configuration, realization: int,
-               setting: Setting = PLAIN) -> FloatArray:
-    """Of one realisation by the altered chain, (w, m, n, 2), NaN where there is none: its windows, methods, and the
-    configuration's wavenumbers. Spectra that a variant leaves alone are made once for all of them."""
-    windows = tuple(name for name in configuration.windows if name in variant.windows)
+def velocities(variant: Variant, configuration: Configuration, realization: int, setting: Setting = PLAIN,
+               windows: Sequence[str] | None = None) -> FloatArray:
+    """Of one realisation by the altered chain, (w, m, n, 2), NaN where there is none: those of `windows` (default: on
+    which the variant is tried) that the configuration has, the variant's methods, the configuration's wavenumbers.
+
+    Spectra that a variant leaves alone are made once for all of them.
+    """
+    windows = tuple(name for name in configuration.windows if name in (windows or variant.windows))
     if variant.setting.resampled:
         return resampled(configuration, realization)
     chain = variant.chain
@@ -63,25 +66,27 @@ def velocities(variant: Variant, configuration: Configuration, realization: int,
         waves, own.grid, own.wavenumbers, windows=windows, methods=variant.methods, width=setting.width,
         threshold=chain.leastsquares.THRESHOLD if own_threshold else setting.threshold, search=False)
     result = np.full((len(windows), len(variant.methods), configuration.wavenumbers.size, 2), np.nan)
-    at = np.rint((own.wavenumbers - configuration.wavenumbers[0]) / own.grid.wavenumber_resolution).astype(int)
+    mine, theirs = np.nonzero(np.abs(configuration.wavenumbers[:, None] - own.wavenumbers) < MOVED)
     for (w, window), (m, method) in product(enumerate(windows), enumerate(variant.methods)):
-        result[w, m, at] = found[window, method].velocities
+        result[w, m, mine] = found[window, method].velocities[theirs]
     return result
 
 
-def _path(variant: Variant, configuration: Configuration, realization: int, setting: Setting, folder: Path) -> Path:
+def _path(variant: Variant, configuration: Configuration, realization: int, setting: Setting, windows: Sequence[str],
+          folder: Path) -> Path:
     chain = [asdict(change) for change in (*variant.changes, *variant.fast)]
-    key = json.dumps([chain, variant.methods, variant.windows, asdict(variant.setting), asdict(configuration),
+    key = json.dumps([chain, variant.methods, windows, asdict(variant.setting), asdict(configuration),
                       asdict(setting), runs.source_digest()], sort_keys=True)
     return folder / f"variant-{hashlib.sha256(key.encode()).hexdigest()[:20]}" / f"{realization:05d}.npz"
 
 
-def _kept(variants: Sequence[Variant], configuration: Configuration, realization: int, setting: Setting,
-          folder: Path | None) -> list[FloatArray]:
-    """`velocities` of several variants, from the folder where they are there, and left there where they are not."""
+def _kept(variants: Sequence[Variant], windows: Sequence[Sequence[str]], configuration: Configuration, realization: int,
+          setting: Setting, folder: Path | None) -> list[FloatArray]:
+    """`velocities` of several variants, each under its `windows`, from the folder where they are there, and left there
+    where they are not."""
     found = []
-    for variant in variants:
-        path = None if folder is None else _path(variant, configuration, realization, setting, folder)
+    for variant, own in zip(variants, windows, strict=True):
+        path = None if folder is None else _path(variant, configuration, realization, setting, own, folder)
         try:
             if path is None:
                 raise FileNotFoundError
@@ -89,7 +94,7 @@ def _kept(variants: Sequence[Variant], configuration: Configuration, realization
                 found.append(kept["velocities"])
         except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error):
             with runs.one_thread():
-                one = velocities(variant, configuration, realization, setting)
+                one = velocities(variant, configuration, realization, setting, own)
             if path is not None:
                 write_whole(path, partial(np.savez, velocities=one))
             found.append(one)
@@ -168,10 +173,10 @@ def study(variants: Iterable[Variant] = VARIANTS.values(), ids: Sequence[str] = 
     found: dict[tuple[str, str], list[FloatArray]] = {}
     for configuration, number in product(configurations(ids), range(realizations)):
         acting = [v for v in wanted if configuration.id in v.configurations and number < v.realizations]
-        tasks.append((acting, configuration, number, PLAIN, folder))
+        tasks.append((acting, [v.windows for v in acting], configuration, number, PLAIN, folder))
     columns = list(zip(*tasks, strict=True))
     results = map(_kept, *columns) if executor is None else executor.map(_kept, *columns)
-    for (acting, configuration, _, _, _), one in zip(tasks, results, strict=True):
+    for (acting, _, configuration, *_), one in zip(tasks, results, strict=True):
         for variant, values in zip(acting, one, strict=True):
             found.setdefault((variant.id, configuration.id), []).append(values)
         after_each()
@@ -189,40 +194,63 @@ def study(variants: Iterable[Variant] = VARIANTS.values(), ids: Sequence[str] = 
 
 
 def moving(found: dict[str, list[list[Shifts]]]) -> list[Variant]:
-    """The variants that move a velocity without a note by more than 10 % of the smaller resolution somewhere; of those
-    with other waves, whose velocities are others anyway, none."""
+    """The variants that move a velocity without a note by more than 10 % of the smaller resolution somewhere.
+
+    None of those with other waves, whose velocities are others anyway, or with images of a single sea.
+    """
     largest = {id: max((float(np.nanmax(np.where(s.flagged, 0, s.share), initial=0)) for one in cases for s in one),
                        default=0.0) for id, cases in found.items()}
-    return [VARIANTS[id] for id, share in largest.items() if VARIANTS[id].paired and share > _SHARE]
+    return [v for id, share in largest.items() if share > _SHARE and (v := VARIANTS[id]).paired
+            and not v.setting.resampled]
 
 
 class NotCovered(LookupError):
     """A claim asks for a configuration that was not to be computed."""
 
 
-class Altered(Evidence):
-    """Evidence by an altered chain (`variant` None: the reference); with `ids`, of those configurations only."""
+class _Velocities:
+    """Those of several variants, (R, w, m, n, 2), computed together so that they share their spectra."""
 
-    def __init__(self, variant: Variant | None, realizations: int, folder: Path | None = None,
-                 executor: Executor | None = None, ids: Sequence[str] | None = None) -> None:
-        super().__init__(realizations, folder, executor)
-        self.variant, self.ids, self.asked, self._altered = variant, ids, 0, {}  # type: ignore[var-annotated]
+    def __init__(self, variants: Sequence[Variant], realizations: int, folder: Path | None,
+                 executor: Executor | None) -> None:
+        self.variants, self.realizations, self.folder, self.executor = variants, realizations, folder, executor
+        self._found: dict[tuple[Configuration, Setting], dict[str, FloatArray]] = {}
+
+    def __call__(self, variant: Variant, configuration: Configuration, setting: Setting) -> FloatArray:
+        if (configuration, setting) not in self._found:
+            acting = [v for v in self.variants if v.acts_on(configuration)]
+            windows = [v.acts_on(configuration) for v in acting]
+            given = (repeat(acting), repeat(windows), repeat(configuration), range(self.realizations), repeat(setting),
+                     repeat(self.folder))
+            results = list(map(_kept, *given) if self.executor is None else self.executor.map(_kept, *given))
+            self._found[configuration, setting] = {
+                v.id: np.array([one[n] for one in results]) for n, v in enumerate(acting)}
+        return self._found[configuration, setting][variant.id]
+
+
+class Altered(Evidence):
+    """Evidence by an altered chain, its `velocities` by one `variant` (None: the reference).
+
+    With `ids`, of those configurations only: NotCovered is raised for any other.
+    """
+
+    def __init__(self, reference: Evidence, variant: Variant | None = None, velocities: _Velocities | None = None,
+                 ids: Sequence[str] | None = None) -> None:
+        super().__init__(reference.realizations, reference.folder, reference.executor)
+        self.reference, self.variant, self.velocities, self.ids, self.asked = reference, variant, velocities, ids, 0
 
     def __call__(self, configuration: Configuration, window: str, method: str = "nsp",
                  setting: Setting = PLAIN) -> Ensemble:
         if self.ids is not None and configuration.id not in self.ids:
             raise NotCovered(configuration.id)
         self.asked += 1
-        before = super().__call__(configuration, window, method, setting)
-        v = self.variant
-        if v is None or setting.resampled or window not in v.windows or method not in v.methods:
+        before, v = self.reference(configuration, window, method, setting), self.variant
+        if v is None or self.velocities is None or setting.resampled or method not in v.methods:
             return before
-        if (configuration, setting) not in self._altered:
-            given = (repeat([v]), repeat(configuration), range(self.realizations), repeat(setting), repeat(self.folder))
-            results = map(_kept, *given) if self.executor is None else self.executor.map(_kept, *given)
-            self._altered[configuration, setting] = np.array([one[0] for one in results])
-        w = [name for name in configuration.windows if name in v.windows].index(window)
-        values = self._altered[configuration, setting][:, w, v.methods.index(method)]
+        if window not in v.acts_on(configuration):
+            return before
+        values = self.velocities(v, configuration, setting)[:, v.acts_on(configuration).index(window),
+                                                            v.methods.index(method)]
         return Ensemble(configuration, window, method, before.wavenumbers, values, before.notes)
 
     def seconds(self, configuration: Configuration) -> dict[str, FloatArray]:
@@ -238,17 +266,15 @@ def rejudged(variants: Sequence[Variant], claims: Sequence[Claim], *, realizatio
     for other configurations than `ids`, or for no velocities at all, are left out.
     """
     results = []
-    reference = Altered(None, realizations, folder, executor, ids)
+    kept, altered = Evidence(realizations, folder, executor), _Velocities(variants, realizations, folder, executor)
     for claim in claims:
+        reference = Altered(kept, ids=ids)
         try:
-            reference.asked = 0
             before = claim.judge(reference)
         except NotCovered:
             continue
-        if not reference.asked:
-            continue
-        for variant in variants:
-            after = claim.judge(Altered(variant, realizations, folder, executor, ids))
+        for variant in variants if reference.asked else ():
+            after = claim.judge(Altered(kept, variant, altered))
             flipped = [{"reading": a.words, "before": a.holds, "after": b.holds}
                        for a, b in zip(before.readings, after.readings, strict=True)
                        if {a.holds, b.holds} == {True, False}]

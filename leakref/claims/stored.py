@@ -11,7 +11,7 @@ from typing import Any
 from leakref import LeakrefError
 from leakref._output import dump, write_whole
 
-__all__ = ["by_line", "stored_claim", "stored_claims", "stored_decision", "stored_decisions", "write"]
+__all__ = ["by_line", "stored_claim", "stored_claims", "stored_decision", "stored_decisions", "turned", "write"]
 
 
 def _read(name: str) -> dict[str, Any]:
@@ -40,6 +40,11 @@ def stored_claim(id: str) -> dict[str, Any] | None:
 def stored_decision(id: str) -> dict[str, Any] | None:
     """What came of one decision: its variants, how far each moves the velocities, and the claims that turn on it."""
     return next((record for record in stored_decisions()["decisions"] if record["id"] == id), None)
+
+
+def turned(id: str) -> list[dict[str, Any]]:
+    """Under which variants of which decisions readings of a claim turn; see `stored_decisions`."""
+    return [record for record in stored_decisions()["claims"] if record["id"] == id and record["flipped"]]
 
 
 def by_line(result: dict[str, Any], lists: Sequence[str]) -> str:

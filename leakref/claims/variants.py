@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import Any
 
 from leakref.altered import Change, altered
+from leakref.cases import Configuration
 from leakref.claims.evidence import PLAIN, Setting
 from leakref.decisions import DECISIONS
 
@@ -26,9 +27,10 @@ class Variant:
     """In `words`, what is done instead of a `decision`; the same in the literal chain (`changes`) and, with those of
     `fast` beside them, in the compiled one.
 
-    It acts on some `methods`, `windows` and `configurations` only. If not `paired`, the waves are others, so that only
-    statistics can be compared. `sense` is that of the rotation of the sea. Where the change is one of the data and not
-    of the chain, it is a `setting`. `realizations` are the most that are worth while.
+    It acts on some `methods` only, and is tried on `windows` and `configurations`; if it `needs` a speed or a rotation,
+    it acts on no other sea. If not `paired`, the waves are others, so that only statistics can be compared. `sense` is
+    that of the rotation of the sea. Where the change is one of the data and not of the chain, it is a `setting`.
+    `realizations` are the most that are worth while.
     """
 
     id: str
@@ -39,6 +41,7 @@ class Variant:
     methods: tuple[str, ...] = ("nsp", "ls")
     windows: tuple[str, ...] = ("box", "hann")
     configurations: tuple[str, ...] = CONFIGURATIONS
+    needs: str = ""
     paired: bool = True
     sense: int = 1
     setting: Setting = PLAIN
@@ -48,6 +51,14 @@ class Variant:
     def chain(self) -> Any:
         """The chain so altered, compiled rooms and cases included (`altered.altered`)."""
         return altered((*self.changes, *self.fast), fast=True)
+
+    def acts_on(self, configuration: Configuration) -> tuple[str, ...]:
+        """The windows of a configuration under which it changes anything: none, one, the tapers, or all."""
+        if self.needs and not getattr(configuration, self.needs):
+            return ()
+        if "box" in self.windows:
+            return configuration.windows
+        return tuple(w for w in configuration.windows if w in self.windows or ("hann" in self.windows and w != "box"))
 
     @property
     def leaves_spectra(self) -> bool:
@@ -59,10 +70,10 @@ def _one(room: str, old: str, new: str) -> tuple[Change, ...]:
     return (Change(room, old, new),)
 
 
-def _simplex(tolerance: str) -> tuple[tuple[Change, ...], tuple[Change, ...]]:
+def _simplex(options: str) -> tuple[tuple[Change, ...], tuple[Change, ...]]:
     """C minimised by Nelder-Mead: over the bins themselves, and as the parabola that it is."""
     scipy = "import numpy as np\nfrom scipy.optimize import minimize\n"
-    rest = f'np.zeros(2), method="Nelder-Mead", options={{"xatol": {tolerance}, "fatol": {tolerance}}}).x'
+    rest = f'np.zeros(2), method="Nelder-Mead", options={{{options}}}).x'
     return ((Change("leastsquares", "import numpy as np\n", scipy),
              Change("leastsquares", "np.linalg.solve(normal, k @ shift)",
                     f"minimize(lambda c: np.sum((c @ k - shift) ** 2), {rest}")),
@@ -147,11 +158,14 @@ VARIANTS: dict[str, Variant] = {v.id: v for v in (
             _one("fast", "least_squares(ring, self.largest, threshold, out)",
                  "least_squares(ring, self.largest, threshold * (self.largest.max() / "
                  "self.largest[ring.columns].max()) ** 2, out)"), ("ls",)),
-    Variant("ls-by-simplex", "D8", "C minimised by Nelder-Mead, to 1e-8", *_simplex("1e-8"), methods=("ls",)),
-    Variant("ls-early-stop", "D8", "C minimised by Nelder-Mead, stopped at the defaults of MATLAB and SciPy",
-            *_simplex("1e-4"), methods=("ls",)),
-    Variant("other-shells", "D9", "shells listed from 0.6, not 0.4", _one("chain", "smallest: float = 0.4",
-                                                                           "smallest: float = 0.6"), realizations=5),
+    Variant("ls-by-simplex", "D8", "C minimised by Nelder-Mead, to 1e-8",
+            *_simplex('"xatol": 1e-8, "fatol": 1e-8, "maxfev": 5000, "maxiter": 5000'), methods=("ls",)),
+    Variant("ls-early-stop", "D8", "C minimised by Nelder-Mead, stopped at the defaults of MATLAB and SciPy: 1e-4 in c "
+            "and C, or 400 evaluations",
+            *_simplex('"xatol": 1e-4, "fatol": 1e-4'), methods=("ls",)),
+    Variant("denser-shells", "D9", "shells listed twice as densely, overlapping by 7/8",
+            _one("chain", "return np.arange(first, last + 1) * dk",
+                 "return np.arange(2 * first, 2 * last + 1) * (dk / 2)"), realizations=5),
     Variant("finer-lattice", "D10", "spacing of the waves 0.25 / L", _one("sea", "INPUT_SPACING = 0.341",
                                                                           "INPUT_SPACING = 0.25"), paired=False),
     Variant("lattice-off-origin", "D10", "origin midway between the waves' lattice points",
@@ -164,9 +178,9 @@ VARIANTS: dict[str, Variant] = {v.id: v for v in (
             _one("sea", "key=np.array([realization, 0]", "key=np.array([realization, 1]"), paired=False),
     Variant("about-corner", "D13", "sea and current turned about the corner (0, 0)",
             _one("sea", "shift = (self.kx - kx) * centre[0] + (self.ky - ky) * centre[1]", "shift = np.zeros(kx.size)"),
-            configurations=(_ROTATED,)),
+            configurations=(_ROTATED,), needs="rotation"),
     Variant("images-turned", "D13", "the images turned (cubic splines, cropped from larger ones), not the sea",
-            configurations=(_ROTATED,), setting=Setting(resampled=True), realizations=5),
+            configurations=(_ROTATED,), needs="rotation", setting=Setting(resampled=True), realizations=5),
     Variant("kaiser-2-pi", "D14", "Kaiser-Bessel with b = 2 pi: first zero at 2.24 bins",
             _one("window", "KAISER_SHAPE = float(np.pi * np.sqrt(3))", "KAISER_SHAPE = float(2 * np.pi)"),
             windows=("kaiser-bessel",), configurations=(_WINDOWS,)),
@@ -179,7 +193,7 @@ VARIANTS: dict[str, Variant] = {v.id: v for v in (
             _one("sea", "jonswap(intrinsic_frequency(k), self.peakedness)",
                  "jonswap(intrinsic_frequency(k) + dk * np.sum(np.stack([i, j], axis=1) * "
                  "self.current.doppler_shift_velocity(k), axis=1), self.peakedness)"),
-            configurations=(_OPPOSING, _ROTATED)),
+            configurations=(_OPPOSING, _ROTATED), needs="speed"),
     Variant("polar-measure", "D18", "integrals with the measure dtheta dk: weight 1 / k (none at k = 0)",
             (Change("nsp", "def characteristic_function(", _MEASURE),
              Change("nsp", "np.sum(v @ shell.weight)) for v", "np.sum(v @ shell.weight * _measure(shell))) for v"),
@@ -198,7 +212,7 @@ VARIANTS: dict[str, Variant] = {v.id: v for v in (
             methods=("nsp",)),
     Variant("other-sense", "D23", "video rotated clockwise", _one("cases", "sea.rotated(self.rotation,",
                                                                   "sea.rotated(-self.rotation,"),
-            configurations=(_ROTATED,), sense=-1),
+            configurations=(_ROTATED,), needs="rotation", sense=-1),
 )}
 """Every variant that is computed, by id."""
 
