@@ -114,6 +114,14 @@ def test_objects_are_not_loaded(exchange, value):
 
 
 @pytest.mark.parametrize("exchange", ["npz", "mat"], indirect=True)
+def test_a_file_of_another_kind_is_no_answer(exchange):
+    with exchange.output.open("wb") as stream:
+        np.save(stream, CUBE)
+    verdict, message = refused(exchange, "eta")
+    assert (verdict, "of the kind npy" in message) == ("error", True)
+
+
+@pytest.mark.parametrize("exchange", ["npz", "mat"], indirect=True)
 def test_words_are_no_numbers(exchange):
     put(exchange, S="none")
     assert refused(exchange)[0] == "fail"

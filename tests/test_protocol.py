@@ -18,6 +18,7 @@ import psutil
 import pytest
 
 from leakref import LeakrefError
+from leakref.certify import child
 from leakref.certify.connect import HarnessBroken, Limits, connect
 from leakref.certify.declaration import Declaration
 from leakref.certify.process import ProcessSubject
@@ -54,6 +55,7 @@ for line in sys.stdin:
         exec(DEEDS[request["id"] // 2 - 1])
     else:
         say(good(request))
+open(os.path.join(HERE, "stopped"), "w").close()
 '''
 LATER = "while not os.path.exists(HERE + '/go'): time.sleep(0.01)\n"
 OFFSPRING = '''
@@ -136,7 +138,15 @@ def test_a_program_that_behaves_is_started_once(session, tmp_path):
         assert judged(subject, 2) == 2 * [("ok", "")]
         assert subject.declaration.name == "small"
         assert subject.violations == []
+        assert not (tmp_path / "stopped").exists()
+    assert (tmp_path / "stopped").exists()
     assert starts(tmp_path) == 1
+
+
+def test_a_program_that_does_not_stop_is_ended(session, monkeypatch):
+    monkeypatch.setattr(child, "_GRACE", 0.3)
+    with session(own="import atexit\natexit.register(time.sleep, 600)") as subject:
+        assert ask(subject) == ("ok", "")
 
 
 def test_a_crash_is_an_error(session, tmp_path):
@@ -442,7 +452,8 @@ def test_nothing_is_left_when_we_are_interrupted(session, tmp_path):
     session("linger(session=True); open(HERE + '/asked', 'w').close(); time.sleep(600)", own=OFFSPRING)
     ours = tmp_path / "ours.py"
     ours.write_text(
-        "import sys, tempfile\nimport numpy as np\nfrom leakref.certify.process import ProcessSubject\n"
+        "import signal, sys, tempfile\nimport numpy as np\nfrom leakref.certify.process import ProcessSubject\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)  # a job in the background is started to ignore it\n"
         f"tempfile.tempdir = {tempfile.tempdir!r}\n"
         f"with ProcessSubject([sys.executable, '-S', {str(tmp_path / 'program.py')!r}]) as subject:\n"
         "    subject.extract(np.ones((4, 4, 4)), (1, 1, 1), [1.0], window='box')\n")

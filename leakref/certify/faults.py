@@ -287,7 +287,7 @@ _SHELL = (
     Fault("sum-for-length", "shell", "recovery", "the length of k is |kx| + |ky|",
           (Change("shell", 'k = np.hypot(*np.meshgrid(spectrum.kx, spectrum.ky, indexing="ij"))',
                   'k = np.add(*np.abs(np.meshgrid(spectrum.kx, spectrum.ky, indexing="ij")))'),)),
-    Fault("shell-off-by-one", "shell", "conformance", "shells lie one bin too high",
+    Fault("shell-off-by-one", "shell", "currents", "shells lie one bin too high",
           (Change("shell", "np.abs(k - wavenumber) / dk", "np.abs(k - wavenumber - dk) / dk"),)),
     Fault("disc-for-shell", "shell", "shear", "all bins below the shell belong to it",
           (Change("shell", "np.abs(k - wavenumber) / dk", "(k - wavenumber) / dk"),)),
@@ -306,9 +306,9 @@ _SHELL = (
           (Change("shell", "HALF_WIDTH = 2.0", "HALF_WIDTH = 3.0"),)),
     Fault("finer-bin", "shell", "conformance", "dk is the smaller of dkx and dky (D20)",
           (Change("grid", "return max(self.bin_widths[:2])", "return min(self.bin_widths[:2])"),)),
-    Fault("real-part", "shell", "conformance", "the magnitude of the spectrum is that of its real part",
+    Fault("real-part", "shell", "recovery", "the magnitude of the spectrum is that of its real part",
           (Change("shell", "np.abs(spectrum.values[a, b])", "np.abs(spectrum.values[a, b].real)"),)),
-    Fault("unweighted-half", "shell", "conformance", "omega = 0 and the Nyquist plane count twice (D5)",
+    Fault("unweighted-half", "shell", "currents", "omega = 0 and the Nyquist plane count twice (D5)",
           (Change("spectrum", "np.where((m == 0) | (2 * m == self.grid.shape[2]), 0.5, 1.0)", "np.ones(m.size)"),)),
 )
 
@@ -341,12 +341,12 @@ _NSP = (
           (Change("nsp", _POLISH, _POLISH + "\n    velocity = np.clip(velocity, -0.1 * unit, 0.1 * unit)"),)),
     Fault("narrow-width", "nsp", "conformance", "the width a of G is half as large, 2 domega",
           (Change("nsp", "WIDTH = 4.0", "WIDTH = 2.0"),)),
-    Fault("wide-width", "nsp", "conformance", "the width a of G is twice as large, 8 domega",
+    Fault("wide-width", "nsp", "currents", "the width a of G is twice as large, 8 domega",
           (Change("nsp", "WIDTH = 4.0", "WIDTH = 8.0"),)),
     Fault("power-for-magnitude", "nsp", "conformance", "F is the power instead of its square root",
-          (Change("shell", "magnitude = np.abs(spectrum.values[a, b])",
-                  "magnitude = np.abs(spectrum.values[a, b]) ** 2"),)),
-    Fault("smoothed", "nsp", "conformance", "each velocity is the mean of its own and its neighbours'",
+          (Change("nsp", "    if shell.is_empty:", "    from dataclasses import replace\n"
+                  "    shell = replace(shell, magnitude=shell.magnitude**2)\n    if shell.is_empty:"),)),
+    Fault("smoothed", "nsp", "recovery", "each velocity is the mean of its own and its neighbours'",
           (_answer("(lambda v: sum(v.take(np.arange(n, n + len(v)), axis=0, mode='clip') for n in (-1, 0, 1)) / 3)"
                    "(FOUND)"),)),
     Fault("mean-over-band", "nsp", "shear", "every wavenumber is given the mean over the band",
@@ -435,9 +435,9 @@ _WITNESSES = {
     "conformance.extract[nsp-oblong]": "shell-off-by-one",
     "metamorphic.symmetry[exchange-tapered]": "half-plane",
     "scale.peak[4-untapered]": "hard-coded-shell frequency-cut",
-    "conformance.sea[edges-box-nsp]": "edge-bins-excluded narrow-width",
+    "conformance.sea[edges-box-nsp]": "edge-bins-excluded narrow-width power-for-magnitude",
     "conformance.sea[strong-box-ls]":
-        "narrow-shell wide-shell finer-bin real-part power-for-magnitude smoothed ls-threshold-on-magnitude "
+        "narrow-shell wide-shell finer-bin real-part smoothed ls-threshold-on-magnitude "
         "ls-weighted method-ignored",
     "conformance.sea[strong-hann-nsp]": "unweighted-half wide-width",
     "currents.aligned[crossing]": "missing-negative-branch narrow-bounds",

@@ -58,7 +58,9 @@ def certify(target: str, subjects: Sequence[AbstractContextManager[Subject]], ch
             for done in beside:
                 done.result()
         except BaseException:
-            deque(_taken(waiting), maxlen=0)  # the others stop after what they are at
+            deque(_taken(waiting), maxlen=0)
+            for session in subjects:
+                getattr(session, "interrupt", bool)()  # nobody waits for what they are at
             raise
     findings = [found[number] for number in range(len(checks))]
     findings += _left_over([subject, *opened])

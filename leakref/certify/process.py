@@ -86,8 +86,10 @@ class ProcessSubject(Subject):
                     self.violations.append(f"said without being asked: {printable(said[0])}")
                 self._child.stop()
         finally:
-            self._end()
-            self._exchange.close()
+            try:
+                self._end()
+            finally:
+                self._exchange.close()
 
     def interrupt(self) -> None:
         """From another thread: end the program, so that whoever waits for its answer need not. There will be none."""

@@ -39,17 +39,17 @@ def parametrize_with_checks(implementation: Any, *, profile: str = "quick", only
             check()
 
     `implementation` is an object or a function as in CONTRACT.md, or a TARGET in words; `only` are families, checks or
-    patterns of ids. `known` are failures that are accepted for now, {id: {"reason": ..., "issue": ...}} or a TOML file of
-    that: they must fail, and one that passes fails the test until it is taken off. Raises LeakrefError for an unknown
-    check, profile or known failure.
+    patterns of ids. `known` are failures that are accepted for now, {id: {"reason": ..., "issue": ...}} or a TOML file
+    of that: they must fail, and one that passes fails the test until it is taken off. Raises LeakrefError for an
+    unknown check, profile or known failure.
     """
     if profile not in ("quick", "full"):
         raise LeakrefError("parametrize_with_checks", f"no profile is called {profile!r}", "choose quick or full")
     accepted = read_known(known) if isinstance(known, Path) else _known(known or {})
     ids = {identifier for check, _ in chosen() for identifier, _ in check.ids()}
     if unknown := sorted(set(accepted) - ids):
-        raise LeakrefError("parametrize_with_checks", f"the known failure {unknown[0]!r} is none of the {len(ids)} there "
-                           "are", "correct the id; `leakref certify --list` prints all")
+        raise LeakrefError("parametrize_with_checks", f"the known failure {unknown[0]!r} is none of the {len(ids)} "
+                           "there are", "correct the id; `leakref certify --list` prints all")
 
     @cache
     def subject() -> Subject:  # made when the first test runs, so that collecting is quick

@@ -150,6 +150,8 @@ def judged(pairs: Sequence[tuple[Check, Case]], subject: Subject,
     for c, case in pairs:
         try:
             finding = c(subject, case)
+        except LeakrefError:  # of the harness, such as a disk that is full
+            raise
         except Exception as error:
             raise RuntimeError(f"check {c.id}[{case.id}] is broken: {traceback.format_exc()}") from error
         findings.append(finding)

@@ -18,9 +18,10 @@ def load(target: str) -> Any:
     Raises LeakrefError if there is none of that name. What the module raises on import is passed on.
     """
     if target == "reference":
+        from leakref.certify.faults import Named
         from leakref.chain import reference
 
-        return reference
+        return Named(reference, "leakref")  # with null where it has no number
     kind, _, name = target.partition(":")
     if kind == "fault":
         from leakref.certify.faults import implementation

@@ -7,7 +7,7 @@ import numpy as np
 from leakref.certify import cubes
 from leakref.certify.cubes import BRIEF, SEA, polar
 from leakref.certify.expected import unflagged
-from leakref.certify.judging import FRACTION, ask, bare, each_method, in_the_mean, taper, verdict
+from leakref.certify.judging import FRACTION, IN_THE_MEAN, ask, bare, each_method, in_the_mean, taper, verdict
 from leakref.certify.registry import Case, Outcome, check
 from leakref.certify.subject import Subject
 from leakref.dispersion import UniformCurrent
@@ -40,9 +40,8 @@ def check_peak(subject: Subject, case: Case) -> Outcome:
     return each_method(subject, judge)
 
 
-@check("scale", "eq:DSVkernel", "the mean error over the wavenumbers is below the mean larger resolution (eq:dcdwk) of "
-       "the cube", [Case("brief", {"grid": BRIEF}), Case("ten-periods", {"grid": SEA}, quick=False),
-                    Case("long", {"grid": LONG})])
+@check("scale", "eq:DSVkernel", IN_THE_MEAN, [
+    Case("brief", {"grid": BRIEF}), Case("ten-periods", {"grid": SEA}, quick=False), Case("long", {"grid": LONG})])
 def check_duration(subject: Subject, case: Case) -> Outcome:
     """The same current seen for three, ten and eighteen periods: a width that does not follow the frequency bins is too
     narrow for the one or too wide for the other."""

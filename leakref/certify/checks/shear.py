@@ -9,7 +9,7 @@ from leakref._base import FloatArray
 from leakref.certify import cubes
 from leakref.certify.cubes import Cube
 from leakref.certify.expected import unflagged
-from leakref.certify.judging import ask, each_method, in_the_mean, taper, vector
+from leakref.certify.judging import IN_THE_MEAN, ask, each_method, in_the_mean, taper, vector
 from leakref.certify.registry import Case, Outcome, check
 from leakref.certify.subject import Subject
 from leakref.certify.verdict import Unanswered, Verdict
@@ -40,8 +40,8 @@ def _each_wavenumber(subject: Subject) -> None:
         raise Unanswered(Verdict.UNSUPPORTED, "gives one velocity for the whole band: see shear.band")
 
 
-@check("shear", "eq:SJ", "the mean error over the wavenumbers is below the mean larger resolution (eq:dcdwk); tapered "
-       "and in a broad sea the reference stays below a half of it", CASES)
+@check("shear", "eq:SJ", IN_THE_MEAN + "; the reference stays below a half of it, the same velocity at "
+       "all wavenumbers is a third above", CASES)
 def check_profile(subject: Subject, case: Case) -> Outcome:
     """Under a sheared current every wavenumber has a Doppler shift velocity of its own: a shell read at another
     wavenumber, or a current averaged over all of them, is off by more than the resolution at the ends."""

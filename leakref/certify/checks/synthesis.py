@@ -14,8 +14,8 @@ from leakref.sea import Components, SeaState
 __all__ = ["PRECISION", "check_energy", "check_linearity", "check_mean_energy", "check_single", "check_sum"]
 
 PRECISION = 1e-4
-"""Of the sum of the amplitudes: single precision with phases of some hundred radians, 100 x 2^-24 x 6, and margin."""
-SINGLE = "1e-4 of the amplitude: single precision rounds phases of a hundred radians by 1e-5"
+"""Of the sum of the amplitudes: ten times what single precision rounds phases of a hundred radians by."""
+SINGLE = "1e-4 of the amplitude: ten times what single precision rounds phases of a hundred radians by"
 NAMES = tuple(Components.__dataclass_fields__)
 GRID = Grid((24, 20, 36), (0.9, 1.1, 0.7))
 
