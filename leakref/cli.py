@@ -108,6 +108,39 @@ def certify(
 
 
 @command(JUDGE)
+def strength(
+    full: Annotated[bool, typer.Option("--full", help="The whole matrix, 200 fresh seeds, the rate of false alarms: up "
+                                                      "to an hour; it goes on where it stopped.")] = False,
+    out: Annotated[Path, typer.Option(help="Folder for the result and what it is resumed from.")
+                   ] = Path("leakref-results/strength"),
+    workers: Workers = 0,
+    json: Json = False,
+) -> int:
+    """What the checks catch: every fault planted, every correct variant passed, and what is rejected wrongly."""
+    from leakref.certify.strength import run
+
+    return run(full=full, out=out, workers=workers or os.cpu_count() or 1, json=json)
+
+
+@command(JUDGE)
+def scaffold(
+    kind: Annotated[str, typer.Argument(help="python, octave, shell or cpp: an adapter; ci: files for CI.")],
+    place: Annotated[Path, typer.Argument(metavar="DIR", help="Folder to write it to.")],
+    json: Json = False,
+) -> bool:
+    """A working adapter for a code in some language, or CI files, to start from."""
+    from leakref._output import dump, envelope
+    from leakref.certify.scaffold import NEXT, write
+
+    paths = write(kind, place)
+    if json:
+        typer.echo(dump(envelope("scaffold", True, paths=paths, next=NEXT[kind])))
+    else:
+        typer.echo("\n".join(map(str, paths)) + f"\nNext, in {place}: {NEXT[kind]}")
+    return True
+
+
+@command(JUDGE)
 def explain(
     identifier: Annotated[str, typer.Argument(metavar="ID", help="Of a check, fault, variant, claim, decision, golden "
                                                                  "value.")],

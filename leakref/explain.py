@@ -118,12 +118,17 @@ def _variant(identifier: str) -> Explanation | None:
 
 def _claim(identifier: str) -> Explanation | None:
     from leakref.claims import CLAIMS
+    from leakref.claims.stored import stored_claim, turned
 
     claim = CLAIMS.get(identifier)
     if claim is None:
         return None
+    found = stored_claim(claim.id) or {}
+    turns = [f"{row.get('variant', row.get('decision'))}" for row in turned(claim.id)]
     return {"id": claim.id, "kind": "a claim of the paper", "claim": claim.words, "label": claim.label,
-            "tested": claim.test, "evaluate": f"leakref claims {claim.id}"}
+            "tested": claim.test, "verdict": found.get("verdict"), "depends_on": found.get("depends_on"),
+            "figure": found.get("figure"), "turns_under": turns,
+            "evaluate": f"leakref claims {claim.id} --figures"}
 
 
 def _decision(identifier: str) -> Explanation | None:
@@ -133,7 +138,22 @@ def _decision(identifier: str) -> Explanation | None:
     if decision is None:
         return None
     return {"id": decision.id, "kind": "a decision", "question": decision.question, "reference": decision.reference,
-            "where": f"leakref.{decision.where}"}
+            "where": f"leakref.{decision.where}", "measured": _shifts(decision.id),
+            "all_of_it": f"leakref claims --decisions {decision.id}"}
+
+
+def _shifts(identifier: str) -> list[str]:
+    """How far each variant of a decision moves the velocities of unnoted shells, in a few words."""
+    from leakref.claims.stored import stored_decision
+
+    found = stored_decision(identifier) or {}
+    said = [found["no_effect"]] if found.get("no_effect") else []
+    for variant in found.get("variants", ()):
+        rows = [row for row in variant["rows"] if row["case"] == "all" and row["unflagged"]["shells"]]
+        moves = [f"{row['method'].upper()} {row['window']} median {row['unflagged']['c0']['median']:.2g}, largest "
+                 f"{row['unflagged']['c0']['largest']:.2g} c0" for row in rows]
+        said.append(f"{variant['words']} ({'; '.join(moves)})")
+    return said
 
 
 def _golden(identifier: str) -> Explanation | None:

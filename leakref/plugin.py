@@ -24,11 +24,11 @@ ASKED = "leakref-asked"
 def pytest_addoption(parser: pytest.Parser) -> None:
     """The options: either of the first two is enough for something to be run."""
     group = parser.getgroup("leakref", "judge a code that measures currents from waves")
-    group.addoption("--leakref-implementation", metavar="TARGET", help="run the properties and the checks of leakref on "
-                    "package.module:object, reference, fault:ID or variant:ID")
+    group.addoption("--leakref-implementation", metavar="TARGET", help="run the properties and the checks of leakref "
+                    "on package.module:object, reference, fault:ID or variant:ID")
     group.addoption("--leakref-command", metavar="COMMAND", help="or on a program that speaks its protocol")
-    group.addoption("--leakref-profile", choices=("quick", "full"), help="quick (the default), or full: all cases of the "
-                    "checks, and twenty times as many examples of the properties")
+    group.addoption("--leakref-profile", choices=("quick", "full"), help="quick (the default), or full: all cases of "
+                    "the checks, and twenty times as many examples of the properties")
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -40,8 +40,8 @@ def pytest_configure(config: pytest.Config) -> None:
     if target is None and command is None:
         return
     if (target is None) == (command is None) or not (target or command or "").strip():
-        raise pytest.UsageError("leakref: give --leakref-implementation or --leakref-command, not both, and not an empty "
-                                "one")
+        raise pytest.UsageError("leakref: give --leakref-implementation or --leakref-command, not both, and not an "
+                                "empty one")
     spec = find_spec("leakref.properties")
     if spec is None or not spec.submodule_search_locations:
         raise pytest.UsageError("leakref: this installation has no leakref.properties")
@@ -68,10 +68,8 @@ def pytest_collection_finish(session: pytest.Session) -> None:
 class Judged:
     """Sees whether anything was judged: if not, the session fails."""
 
-    words = "the implementation"
-
-    def __init__(self) -> None:
-        self.count = 0
+    def __init__(self, words: str = "the implementation") -> None:
+        self.words, self.count, self.opened = words, 0, True
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         """Count what says something of the implementation: an expected failure does, a skipped test does not."""
@@ -87,18 +85,17 @@ class Judged:
 
     def pytest_terminal_summary(self, terminalreporter: Any) -> None:
         """Say that nothing was judged."""
-        if not self.count and not terminalreporter.config.option.collectonly:
-            terminalreporter.write_line(f"leakref: nothing was judged of {self.words}: no property and no check of it was "
-                                        "run to its end", red=True)
+        if self.opened and not self.count and not terminalreporter.config.option.collectonly:
+            terminalreporter.write_line(f"leakref: nothing was judged of {self.words}: no property and no check of it "
+                                        "was run to its end", red=True)
 
 
 class Asked(Judged):
     """What an option asked for."""
 
     def __init__(self, config: pytest.Config, folder: Path, target: str | None, command: str | None) -> None:
-        super().__init__()
-        self.folder, self.target, self.command = folder, target, command
-        self.words = str(target or command)
+        super().__init__(str(target or command))
+        self.folder, self.target, self.command, self.opened = folder, target, command, False
         self.profile: str = config.getoption("leakref_profile") or "quick"
         self.examined: Any = None
         """The implementation as the properties see it, once it was opened."""
@@ -107,9 +104,12 @@ class Asked(Judged):
     def pytest_collection(self, session: pytest.Session) -> None:
         """Import or start it before anything else: one clear line if that cannot be."""
         try:
-            self.examined, close = import_module("leakref.properties.opening").opened(self.target, self.command, self.profile)
+            opened = import_module("leakref.properties.opening").opened
+            self.examined, close = opened(self.target, self.command, self.profile)
         except Exception as error:
-            raise pytest.UsageError(f"leakref: {self.words} cannot be judged: {type(error).__name__}: {error}") from error
+            said = f"{type(error).__name__}: {error}"
+            raise pytest.UsageError(f"leakref: {self.words} cannot be judged: {said}") from error
+        self.opened = True
         session.config.add_cleanup(close)
 
     def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:

@@ -23,7 +23,8 @@ from leakref.certify.verdict import Unanswered, Verdict
 __all__ = ["PRECISION", "SINGLE", "Examined", "same"]
 
 PRECISION = 1e-10
-"""In c0, of the reference: ten times what DESIGN.md allows in shells without a note, since small cubes are less sharp."""
+"""In c0, of the reference: ten times what DESIGN.md allows in shells without a note, since small cubes are less
+sharp."""
 SINGLE = 1e-5
 """Relative: what single precision may lose, some hundred roundings of 6e-8."""
 
@@ -38,6 +39,9 @@ class Examined:
     subject: Subject
     rooms: Any = None
     is_reference: bool = False
+
+    def _repr_pretty_(self, printer: Any, cycle: bool) -> None:  # what hypothesis prints of it
+        printer.text(self.subject.declaration.name)
 
     def offered(self, stage: str, **asked: str) -> None:
         """Skip, with the reason, what it does not offer."""
@@ -79,9 +83,11 @@ class Examined:
         return np.asarray(found.values)
 
 
-def _noted(surface: FloatArray, spacing: Sequence[float], cube: Cube, window: str, method: str) -> npt.NDArray[np.bool_]:
+def _noted(surface: FloatArray, spacing: Sequence[float], cube: Cube, window: str,
+           method: str) -> npt.NDArray[np.bool_]:
     """Where the literal chain has something to note of a surface, (n,)."""
-    found = chain.extract(surface, tuple(spacing), cube.wavenumbers, window=window, method=method)  # type: ignore[arg-type]
+    dx, dy, dt = spacing
+    found = chain.extract(surface, (dx, dy, dt), cube.wavenumbers, window=window, method=method)
     return np.array([bool(note) for note in found.notes])
 
 
@@ -100,8 +106,8 @@ def same(examined: Examined, cube: Cube, window: str, method: str, found: FloatA
         bad &= ~_noted(*changed, cube, window, method)  # the start simplex does not turn with the sea: another basin
     if bad.any():
         n = int(np.flatnonzero(bad)[0])
-        raise AssertionError(f"{method}, {window}: got {vector(found[n])} at k = {cube.wavenumbers[n]:.4g}, but should be "
-                             f"{vector(should[n])}, within {allowed[n]:.2g} [{error[n]:.3g} off]")
+        raise AssertionError(f"{method}, {window}: got {vector(found[n])} at k = {cube.wavenumbers[n]:.4g}, but should "
+                             f"be {vector(should[n])}, within {allowed[n]:.2g} [{error[n]:.3g} off]")
 
 
 def reference() -> Examined:

@@ -11,17 +11,17 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from hypothesis import HealthCheck, assume, settings, strategies as st
+from hypothesis import HealthCheck, Phase, assume, settings, strategies as st
 
 from leakref import Components, Grid, SeaState, UniformCurrent, aligned_waves
 from leakref.certify.cubes import Cube, polar
 from leakref.dispersion import intrinsic_frequency
 from leakref.window import WINDOWS
 
-__all__ = ["PROFILES", "Drawn", "currents", "examples", "grids", "offsets", "pairs", "positions", "seas", "singles", "sizes",
-           "waves", "windows"]
+__all__ = ["PROFILES", "Drawn", "currents", "examples", "grids", "offsets", "pairs", "positions", "seas", "singles",
+           "sizes", "waves", "windows"]
 
-_COMMON: dict[str, Any] = {"database": None, "deadline": None, "print_blob": True,
+_COMMON: dict[str, Any] = {"database": None, "deadline": None, "print_blob": True, "report_multiple_bugs": False,
                            "suppress_health_check": [HealthCheck.too_slow, HealthCheck.filter_too_much]}
 PROFILES = {"ci": (settings(derandomize=True, **_COMMON), 1), "thorough": (settings(derandomize=False, **_COMMON), 20)}
 """Settings, and how many times the examples of the quick one: `ci` is the same every time, `thorough` is for nights."""
@@ -45,19 +45,20 @@ SIDES = (11, 12, 13, 16, 17, 19, 23, 25, 31, 32, 36)
 TIMES = (97, 100, 101, 107, 112, 121, 128)
 
 
-def examples(count: int) -> settings:
-    """Settings of a property for which `count` examples are enough every day.
+def examples(count: int, *, shrink: bool = False) -> settings:
+    """Settings of a property for which `count` examples are enough every day; `shrink` where an example is cheap.
 
     The profile is that of the environment variable LEAKREF_PROPERTIES, which the plugin sets.
     """
     profile, times = PROFILES[os.environ.get("LEAKREF_PROPERTIES", "ci")]
-    return settings(profile, max_examples=count * times)
+    phases = [Phase.explicit, Phase.generate, *([Phase.shrink] if shrink else [])]
+    return settings(profile, max_examples=count * times, phases=phases)
 
 
 def sizes(largest: int = 64) -> st.SearchStrategy[int]:
     """Sizes of an axis: mostly small, odd and prime ones among them."""
-    return st.one_of(st.sampled_from([n for n in (2, 3, 4, 5, 7, 8, 11, 13, 16, 31, 32, 61, 64, 127, 128) if n <= largest]),
-                     st.integers(2, largest))
+    hostile = [n for n in (2, 3, 4, 5, 7, 8, 11, 13, 16, 31, 32, 61, 64, 127, 128) if n <= largest]
+    return st.one_of(st.sampled_from(hostile), st.integers(2, largest))
 
 
 def windows() -> st.SearchStrategy[str]:
@@ -142,8 +143,8 @@ def _aligned(grid: Grid, bins: list[tuple[int, int, int]], amplitude: tuple[floa
 def pairs(draw: st.DrawFn) -> Cube:
     """Two waves exactly on bins, and the current of at most 0.35 c0 that puts them there, asked for at their mean k.
 
-    The lower frequency is 2 a and more, so that NSP is exact under a box, and each is at most 0.75 a from where it would
-    be at rest, so that an optimiser that starts there finds it.
+    The lower frequency is 2 a and more, so that NSP is exact under a box, and each is at most 0.75 a from where it
+    would be at rest, so that an optimiser that starts there finds it.
     """
     stretch = draw(st.sampled_from([1.0, 0.8, 1.3, 2.0, 0.4, 3.0]))
     first, second = draw(_bins(stretch)), draw(_bins(stretch))
@@ -181,7 +182,8 @@ def seas(draw: st.DrawFn, *, shells: int = 2, narrowest: float = 90.0, fastest: 
     nt, dt = draw(st.sampled_from((41, 47, 48, 53, 55, 64))), draw(st.sampled_from((0.5, 0.6, 0.7)))
     grid = Grid((nx, ny, nt), (dx, dy, dt))
     spread, direction = draw(st.floats(narrowest, 360.0)), draw(st.floats(-180.0, 180.0))
-    state = SeaState(direction, spread, draw(st.sampled_from((1.0, 3.3, 7.0))), float(min(grid.lengths[:2])) / (2 * np.pi),
+    length = float(min(grid.lengths[:2])) / (2 * np.pi)
+    state = SeaState(direction, spread, draw(st.sampled_from((1.0, 3.3, 7.0))), length,
                      UniformCurrent(draw(currents(fastest))))
     k = grid.wavenumber_resolution * np.array([draw(st.floats(3.6, 5.5)) for _ in range(shells)])
     assume(k.max() + 2.2 * grid.wavenumber_resolution < min(grid.nyquist[:2]))

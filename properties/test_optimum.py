@@ -51,10 +51,11 @@ def test_the_score_is_stationary_and_curved_downwards(rooms: Any, cube: Cube, wi
        seed=st.integers(0, 10**6), velocity=currents(2.0), width=st.floats(0.5, 6.0))
 @example(shape=(9, 10, 9), spacing=(1.0, 1.1, 0.7), seed=0, velocity=(0.3, -0.2), width=4.0)
 @example(shape=(10, 9, 8), spacing=(1.0, 1.1, 0.7), seed=0, velocity=(0.3, -0.2), width=4.0)
-def test_the_half_space_stands_for_the_whole(rooms: Any, shape: tuple[int, int, int], spacing: tuple[float, float, float],
-                                             seed: int, velocity: tuple[float, float], width: float) -> None:
-    """N over omega >= 0 with weights (decision D5) is N of eq:normSp summed over the whole space, odd or even in size, a
-    Nyquist plane half at either end: to 1e-11 relative, since exponents of some hundred lose three digits."""
+def test_the_half_space_stands_for_the_whole(rooms: Any, shape: tuple[int, int, int],
+                                             spacing: tuple[float, float, float], seed: int,
+                                             velocity: tuple[float, float], width: float) -> None:
+    """N over omega >= 0 with weights (decision D5) is N of eq:normSp summed over the whole space, odd or even in size,
+    a Nyquist plane half at either end: to 1e-11 relative, since exponents of some hundred lose three digits."""
     grid = Grid(shape, spacing)
     k, a, nt = 1.1 * grid.wavenumber_resolution, width * grid.frequency_resolution, shape[2]
     assume(3.1 * grid.wavenumber_resolution < 0.99 * min(grid.nyquist[:2]))
@@ -78,8 +79,8 @@ def test_the_half_space_stands_for_the_whole(rooms: Any, shape: tuple[int, int, 
 @given(cube=seas(shells=1, fastest=0.6), velocity=currents(0.8), window=st.sampled_from(("box", "hann")))
 def test_derivatives_of_the_score_are_its_differences(rooms: Any, cube: Cube, velocity: tuple[float, float],
                                                       window: str) -> None:
-    """At any velocity, gradient and Hessian against differences of fourth order of N and of the gradient over 1e-3 c0: to
-    1e-6 of the largest, the fifth derivative being some (4 k / a)^5 N and the step to the fourth 1e-12."""
+    """At any velocity, gradient and Hessian against differences of fourth order of N and of the gradient over 1e-3 c0:
+    to 1e-6 of the largest, the fifth derivative being some (4 k / a)^5 N and the step to the fourth 1e-12."""
     shell, = shells(rooms, cube, window)
     width, h = rooms.nsp.WIDTH * cube.grid.frequency_resolution, 1e-3
     c = np.array(velocity)

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 
 from leakref.certify.cubes import Cube
-from leakref.certify.judging import EXACT, exactly, vector
+from leakref.certify.expected import score
+from leakref.certify.judging import EXACT, FLATTER, exactly, vector
 from .examined import PRECISION, Examined
 from .strategies import examples, pairs, singles
 
@@ -15,8 +16,8 @@ from .strategies import examples, pairs, singles
 @examples(30)
 @given(cube=pairs())
 def test_a_pair_of_waves_on_bins_gives_the_current(examined: Examined, cube: Cube) -> None:
-    """NSP and LS, box, both powers above the threshold, the lower frequency at least 2 a: there N has its maximum at the
-    current itself, to exp(-32). The reference to 1e-10 c0; others to 2e-4, three times what optimisers at default
+    """NSP and LS, box, both powers above the threshold, the lower frequency at least 2 a: there N has its maximum at
+    the current itself, to exp(-32). The reference to 1e-10 c0; others to 2e-4, three times what optimisers at default
     tolerances miss, or for the NSP a score within 1e-6; another method, or one velocity for all, to the resolution."""
     examined.offered("extract", window="box")
     for method in examined.methods():
@@ -35,12 +36,18 @@ def test_a_pair_of_waves_on_bins_gives_the_current(examined: Examined, cube: Cub
 @given(cube=singles())
 def test_a_wave_on_a_bin_gives_the_component_along_it(examined: Examined, cube: Cube) -> None:
     """NSP, box: one wave says nothing of the component across, and LS has no answer. The reference to 1e-10 c0, others
-    to 2e-4, three times what optimisers at default tolerances miss."""
+    to 2e-4, three times what optimisers at default tolerances miss, or a score within 1e-6 of the best."""
     examined.offered("extract", window="box")
     if "nsp" not in examined.methods(band=False):
         pytest.skip("offers no NSP; other methods may decline where one wave is all there is")
     found = examined.velocities(cube.surface, cube, "box", "nsp")
-    k = np.array([cube.components.kx[0], cube.components.ky[0]])
-    along, should = float(found[0] @ k) / np.hypot(*k), float(cube.truth[0] @ k) / np.hypot(*k)
-    assert abs(along - should) <= (PRECISION if examined.is_reference else EXACT) or np.isnan(along), \
-        f"along the wave got {along:.8g}, but should be {should:.8g}"
+    if np.isnan(found).any():
+        return
+    k = np.array([cube.components.kx[0], cube.components.ky[0]]) / cube.wavenumbers[0]
+    along, should = float(found[0] @ k), float(cube.truth[0] @ k)
+    right = abs(along - should) <= (PRECISION if examined.is_reference else EXACT)
+    if not right and not examined.is_reference:
+        there = found[0] + (should - along) * k
+        own, best = (score(cube, "box", float(cube.wavenumbers[0]), c) for c in (found[0], there))
+        right = 1 - own / best <= FLATTER
+    assert right, f"along the wave got {along:.8g}, but should be {should:.8g} (its velocity is {vector(found[0])})"

@@ -25,7 +25,7 @@ def test_two_peak_wavenumbers_give_the_same_current(examined: Examined, cube: Cu
 
 
 @examples(16)
-@given(cube=seas(shells=1), length=st.floats(-3, 3), time=st.floats(-3, 3), method=st.sampled_from(("nsp", "ls")))
+@given(cube=seas(shells=1), length=st.floats(-1, 1), time=st.floats(-1, 1), method=st.sampled_from(("nsp", "ls")))
 def test_units_of_length_and_time_are_free(rooms: Any, cube: Cube, length: float, time: float, method: str) -> None:
     """Lengths by one factor, times by another, gravity by length over time squared: velocities by length over time, to
     1e-10 c0, where nothing is to be noted."""

@@ -49,17 +49,17 @@ def near(examined: Examined, one: Array, other: Array) -> None:
 SEEDS = st.integers(0, 10**6)
 
 
-@examples(120)
+@examples(120, shrink=True)
 @given(data=st.data(), grid=grids(), window=windows())
 def test_closed_form_is_the_fft_of_the_surface(rooms: Any, data: st.DataObject, grid: Grid, window: str) -> None:
-    """Route B against route A on every bin, for waves on bins, off them and within rounding of them: 1e-13 of the sum of
-    the amplitudes times the samples."""
+    """Route B against route A on every bin, for waves on bins, off them and within rounding of them: 1e-13 of the sum
+    of the amplitudes times the samples."""
     components = data.draw(waves(grid), label="waves")
     a, b = (rooms.chain.transform(components, grid, (window,), route=route)[0].values for route in "AB")
     assert np.abs(a - b).max() <= ROUNDING * components.amplitude.sum() * np.prod(grid.shape)
 
 
-@examples(60)
+@examples(60, shrink=True)
 @given(data=st.data(), grid=grids(), window=windows())
 def test_spectrum_is_that_of_the_waves(examined: Examined, data: st.DataObject, grid: Grid, window: str) -> None:
     """A few waves have the spectrum that follows from the paper's sums, up to one factor, in size and phase where S is
@@ -80,7 +80,7 @@ def test_spectrum_is_that_of_the_waves(examined: Examined, data: st.DataObject, 
     assert min(errors) <= allowed, f"{min(errors):.2g} of the largest |S| off, should be at most {allowed:.0e}"
 
 
-@examples(60)
+@examples(60, shrink=True)
 @given(data=st.data(), grid=grids())
 @example(data=None, grid=Grid((5, 7, 8), (1.0, 2.0, 0.5)))
 def test_a_wave_on_a_bin_is_at_its_own_bin_and_its_mirror_image(examined: Examined, data: Any, grid: Grid) -> None:
@@ -89,14 +89,15 @@ def test_a_wave_on_a_bin_is_at_its_own_bin_and_its_mirror_image(examined: Examin
     examined.offered("spectrum", window="box")
     bins = [1, 2, 3] if data is None else [data.draw(st.integers(-((n - 1) // 2), (n - 1) // 2)) for n in grid.shape]
     kx, ky, omega = np.array(bins) * grid.bin_widths
-    eta = synthesize(Components(kx, ky, omega, np.array(1.0), np.array(0.4)), *(grid.samples(axis) for axis in range(3)))
+    wave = Components(kx, ky, omega, np.array(1.0), np.array(0.4))
+    eta = synthesize(wave, *(grid.samples(axis) for axis in range(3)))
     s, = spectra(examined, grid, "box", eta)
     should = np.zeros(grid.shape)
     should[tuple(bins)] = should[tuple(-b for b in bins)] = 1.0
     near(examined, np.abs(s), should)
 
 
-@examples(60)
+@examples(60, shrink=True)
 @given(grid=grids(), window=windows(), seed=SEEDS)
 def test_the_spectrum_of_a_real_signal_is_its_own_mirror_image(examined: Examined, grid: Grid, window: str,
                                                                seed: int) -> None:
@@ -105,7 +106,7 @@ def test_the_spectrum_of_a_real_signal_is_its_own_mirror_image(examined: Examine
     near(examined, s, reversed_bins(s).conj())
 
 
-@examples(60)
+@examples(60, shrink=True)
 @given(grid=grids(), window=windows(), seed=SEEDS, factor=st.floats(-3, 3))
 def test_the_spectrum_is_linear(examined: Examined, grid: Grid, window: str, seed: int, factor: float) -> None:
     """S of a sum is the sum of S: 1e-13, others single precision; not asked of those that return a magnitude."""
@@ -116,7 +117,7 @@ def test_the_spectrum_is_linear(examined: Examined, grid: Grid, window: str, see
     near(examined, both, a + factor * b)
 
 
-@examples(60)
+@examples(60, shrink=True)
 @given(grid=grids(), window=windows(), seed=SEEDS)
 def test_parseval(examined: Examined, grid: Grid, window: str, seed: int) -> None:
     """The sum of |S|^2 over the mean square of the tapered surface is the same for all surfaces, and the squared number
@@ -134,7 +135,7 @@ def test_parseval(examined: Examined, grid: Grid, window: str, seed: int) -> Non
     assert min(misses) <= (ROUNDING if examined.is_reference else 4 * SINGLE)
 
 
-@examples(60)
+@examples(60, shrink=True)
 @given(data=st.data(), grid=grids(), seed=SEEDS)
 def test_a_circular_shift_turns_phases_only(examined: Examined, data: st.DataObject, grid: Grid, seed: int) -> None:
     """Box only: 1e-13, others single precision. S times exp(-i (k.x - omega t)) of the shift."""
@@ -146,7 +147,7 @@ def test_a_circular_shift_turns_phases_only(examined: Examined, data: st.DataObj
     near(examined, b, a * np.exp(-2j * np.pi * turn) if np.iscomplexobj(a) else a)
 
 
-@examples(60)
+@examples(60, shrink=True)
 @given(grid=grids(), window=windows(), seed=SEEDS, axis=st.integers(0, 2))
 def test_index_reversal_reverses_the_axis_of_the_spectrum(examined: Examined, grid: Grid, window: str, seed: int,
                                                           axis: int) -> None:
@@ -154,5 +155,6 @@ def test_index_reversal_reverses_the_axis_of_the_spectrum(examined: Examined, gr
     others single precision."""
     eta = noise(grid, seed)
     flips = [np.roll(np.flip(eta, axis), shift, axis) for shift in ((1,) if examined.is_reference else (1, 0))]
-    s, *turned = (np.abs(s) for s in spectra(examined, grid, window, eta, *flips))
-    near(examined, min(turned, key=lambda t: float(np.abs(t - reversed_bins(s, (axis,))).max())), reversed_bins(s, (axis,)))
+    s, *found = (np.abs(s) for s in spectra(examined, grid, window, eta, *flips))
+    should = reversed_bins(s, (axis,))
+    near(examined, min(found, key=lambda turned: float(np.abs(turned - should).max())), should)

@@ -1,4 +1,4 @@
-"""Certification: is a code that measures currents right? `parametrize_with_checks` puts the checks into its own tests."""
+"""Is a code that measures currents right? `parametrize_with_checks` puts the checks into its own tests."""
 
 from __future__ import annotations
 

@@ -61,6 +61,7 @@ class Certificate:
 
     `known` are the failures that were said to be known; `diagnosis` the faults of the reference that reproduce the
     failures, best first, with an `explanation` in words; `departs_at` the first stage that goes its own way.
+    `bias` says how biased it is, sea by sea (full profile; `leakref.certify.bias`).
     """
 
     target: str
@@ -72,6 +73,7 @@ class Certificate:
     diagnosis: Sequence[Mapping[str, Any]] = ()
     explanation: str = ""
     departs_at: str = ""
+    bias: Sequence[Mapping[str, Any]] = ()
     seconds: float = 0.0
 
     @property
@@ -138,7 +140,7 @@ class Certificate:
             "certify", self.ok, target=self.target, grade=self.grade, profile=self.profile, golden=self.golden,
             declaration=self.declaration, counts=self.counts, seconds=round(self.seconds, 2),
             findings=[f.record() for f in self.findings], diagnosis=list(self.diagnosis),
-            explanation=self.explanation, departs_at=self.departs_at, known=known))
+            explanation=self.explanation, departs_at=self.departs_at, bias=list(self.bias), known=known))
         return result
 
     def families(self) -> list[tuple[str, dict[str, int]]]:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Sequence
+from base64 import b64encode
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -18,6 +19,7 @@ from leakref.certify.certificate import Certificate, junit, read_known, schema
 from leakref.certify.connect import HarnessBroken, Limits, connect
 from leakref.certify.diagnosis import explained
 from leakref.certify.judge import certify
+from leakref.certify.process import ProcessSubject
 from leakref.certify.registry import chosen
 from leakref.certify.verdict import Verdict
 from leakref.golden import locate
@@ -94,7 +96,10 @@ def run(request: Request, *, json: bool = False) -> int:
     if found.wrong:
         with progress_bar("faults compared with what fell short", None) as step:
             found = explained(found, deep=request.deep, after_each=step)
-    written = _write(found, request.report)
+    pictures: list[dict[str, str]] = []
+    if request.profile == "full" and found.grade is not None and not request.only:
+        found, pictures = _biased(found, connect(request.target, command, limits=limits))
+    written = _write(found, request.report, pictures)
     if json:
         print(dump(found.record()))
     else:
@@ -118,13 +123,27 @@ def _split(command: str) -> list[str]:
     return words
 
 
-def _write(found: Certificate, report: Path | None) -> list[Path]:
+def _biased(found: Certificate, session: ProcessSubject) -> tuple[Certificate, list[dict[str, str]]]:
+    """With how biased it is, sea by sea, and a picture of that for the page."""
+    from leakref.certify.bias import REALIZATIONS, SCALES, SEAS, bias, figure
+
+    if "extract" not in found.declaration["can"]:
+        return found, []
+    cubes = len(SEAS) * len(SCALES) * REALIZATIONS
+    with session as subject, progress_bar("seas, for the bias", cubes) as step:
+        rows = bias(subject, after_each=step)
+    words = "; ".join(f"{row.sea.name}, scale {row.scale:g}: {row.words}" for row in rows)
+    picture = {"title": "How biased it is", "words": f"{words}.", "data": b64encode(figure(rows)).decode()}
+    return replace(found, bias=[row.record() for row in rows]), [picture] if rows else []
+
+
+def _write(found: Certificate, report: Path | None, pictures: Sequence[Mapping[str, str]]) -> list[Path]:
     """The certificate as a page, a badge, JSON and JUnit XML; the paths written."""
     if report is None:
         return []
     from leakref.certify.report import badge, page
 
-    files = {"certificate.html": page(found), "certificate.json": dump(found.record()) + "\n",
+    files = {"certificate.html": page(found, pictures), "certificate.json": dump(found.record()) + "\n",
              "junit.xml": junit(found), "badge.svg": badge(found)}
     return [write_whole(report / name, partial(_write_text, text)) for name, text in files.items()]
 
@@ -142,6 +161,8 @@ def _print(found: Certificate, written: Sequence[Path]) -> None:
                    f"[dim]{escape(finding.repro)}[/]", soft_wrap=True)
     if len(found.wrong) > _SHOWN:
         show.print(f"... and {len(found.wrong) - _SHOWN} more; --json or --report has all of them.")
+    for row in found.bias:
+        show.print(f"bias, {escape(row['sea'])} sea, scale {row['scale']:g}: {escape(row['words'])}", soft_wrap=True)
     for finding in found.findings:
         if finding.id in found.known and finding.verdict is not Verdict.PASS:
             known = found.known[finding.id]

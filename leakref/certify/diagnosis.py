@@ -10,10 +10,11 @@ a lost component or a factor between its velocities and those of the reference. 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import combinations
+from json import dumps, loads
 from typing import Any
 
 import numpy as np
@@ -22,10 +23,12 @@ import numpy.typing as npt
 from leakref._base import FloatArray, LeakrefError
 from leakref.certify import faults
 from leakref.certify.certificate import Certificate
+from leakref.certify.declaration import Declaration
 from leakref.certify.inprocess import InProcess
 from leakref.certify.registry import Case, Check, chosen
 from leakref.certify.subject import Call
 from leakref.certify.verdict import Finding, Verdict
+from leakref.chain import METHODS
 
 __all__ = ["ENOUGH", "Diagnosis", "Hypothesis", "departure", "diagnose", "explained"]
 
@@ -70,6 +73,8 @@ class _Clue:
     check: Check
     case: Case
     finding: Finding
+    can: str
+    """What the implementation offers, as JSON."""
 
     @property
     def cost(self) -> float:
@@ -93,17 +98,19 @@ def _stage(finding: Finding) -> str:
 
 def explained(certificate: Certificate, *, deep: bool = False, after_each: Step = lambda: None) -> Certificate:
     """The certificate with a diagnosis of what fell short and was not known, if anything did; see `diagnose`."""
-    said = diagnose(certificate.wrong, deep=deep, after_each=after_each)
+    said = diagnose(certificate.wrong, certificate.declaration["can"], deep=deep, after_each=after_each)
     return replace(certificate, diagnosis=[one.record() for one in said.hypotheses], explanation=said.words,
                    departs_at=departure(certificate.findings) if certificate.wrong else "")
 
 
-def diagnose(findings: Sequence[Finding], *, deep: bool = False, after_each: Step = lambda: None) -> Diagnosis:
+def diagnose(findings: Sequence[Finding], can: Mapping[str, Any] | None = None, *, deep: bool = False,
+             after_each: Step = lambda: None) -> Diagnosis:
     """Explain the failures among `findings`; with `deep`, pairs of faults are tried as well. Nothing failed: no words.
 
-    Calls `after_each` for every fault tried.
+    `can` is what the implementation offers, as it declares it: the reference with a fault is asked for no more than
+    that, so that it is asked the same. Calls `after_each` for every fault tried.
     """
-    clues = _clues(findings)
+    clues = _clues(findings, dumps(can or {"extract": {}}, sort_keys=True, default=list))
     if not clues:
         return Diagnosis((), "")
     named = {fault.id: fault.words for fault in faults.FAULTS.values()}
@@ -123,10 +130,10 @@ def diagnose(findings: Sequence[Finding], *, deep: bool = False, after_each: Ste
     return Diagnosis((), "unexplained: no fault of the list reproduces these answers")
 
 
-def _clues(findings: Sequence[Finding]) -> list[_Clue]:
+def _clues(findings: Sequence[Finding], can: str) -> list[_Clue]:
     """What failed, from cheap to dear, each family once before any twice."""
     by_id = {f"{c.id}[{case.id}]": (c, case) for c, case in chosen()}
-    found = sorted((_Clue(*by_id[f.id], f) for f in findings if f.verdict in _WRONG and f.id in by_id),
+    found = sorted((_Clue(*by_id[f.id], f, can) for f in findings if f.verdict in _WRONG and f.id in by_id),
                    key=lambda clue: clue.cost)
     rank: dict[str, int] = {}
     order = []
@@ -196,10 +203,14 @@ def _implementation(names: tuple[str, ...]) -> Any:
 
 
 @lru_cache(maxsize=4096)
-def _replayed(identifier: str, names: tuple[str, ...]) -> tuple[Finding, tuple[Call, ...]]:
-    """What a check finds of the reference with faults, and the answers it had."""
+def _replayed(identifier: str, names: tuple[str, ...], can: str) -> tuple[Finding, tuple[Call, ...]]:
+    """What a check finds of the reference with faults, offering no more than `can`, and the answers it had."""
     (check, case), = chosen([identifier])
     subject = InProcess(_implementation(names))
+    own, theirs = subject.declaration, Declaration(can=loads(can))
+    asked = {"methods": [m for m in theirs.methods if m in METHODS] or ["nsp"],
+             "windows": list(theirs.windows) if theirs.tapers else []}
+    subject.declaration = replace(own, can={**own.can, "extract": {**own.can["extract"], **asked}})
     finding = check(subject, case)
     return replace(finding, calls=()), tuple(subject.calls)
 
@@ -207,7 +218,7 @@ def _replayed(identifier: str, names: tuple[str, ...]) -> tuple[Finding, tuple[C
 def _agreement(clue: _Clue, names: tuple[str, ...]) -> list[float]:
     """Digits to which a hypothesis gives the answers of a clue; beyond those of float64 for what is no number."""
     theirs = clue.finding
-    finding, calls = _replayed(theirs.id, names)
+    finding, calls = _replayed(theirs.id, names, clue.can)
     if finding.verdict is not theirs.verdict:
         return [0.0]
     if theirs.family == "behaviour" or not theirs.calls:
@@ -292,7 +303,7 @@ def _velocities(clues: Sequence[_Clue]) -> tuple[FloatArray, FloatArray, FloatAr
     """Velocities of the implementation and of the reference for the same questions, (m, 2) each, and scales (m,)."""
     mine, true, scales = [np.empty((0, 2))], [np.empty((0, 2))], [np.empty(0)]
     for clue in clues:
-        _, calls = _replayed(clue.finding.id, ())
+        _, calls = _replayed(clue.finding.id, (), clue.can)
         for a, b in zip(clue.finding.calls, calls, strict=False):
             if a.stage == b.stage == "extract" and a.answer.shape == b.answer.shape:
                 use = np.isfinite(a.answer).all(axis=1) & (np.hypot(*b.answer.T) > _FLOOR)

@@ -107,8 +107,9 @@ class ProcessSubject(Subject):
         ready = self._child.receive(self.limits.start, self.limits.memory)
         self._asking = False
         if ready.get("op") == "failed":
-            raise LeakrefError("certify", printable(ready.get("fault", ready.get("message", "it failed")), 1000),
-                               printable(ready.get("remedy", "see that it can be started")))
+            refusal = HarnessBroken if ready.get("broken") else LeakrefError
+            raise refusal("certify", printable(ready.get("fault", ready.get("message", "it failed")), 1000),
+                          printable(ready.get("remedy", "see that it can be started")))
         if ready.get("op") != "ready" or ready.get("protocol") != PROTOCOL:
             raise Breach(Verdict.ERROR, f'said {printable(ready)} when it was started, should be "op": "ready" and '
                                         f'"protocol": {PROTOCOL}')

@@ -1,0 +1,131 @@
+"""leakref certify, explain and scaffold on the command line."""
+
+from __future__ import annotations
+
+import json
+import shlex
+import sys
+
+import jsonschema
+import pytest
+from test_commands import leakref as command
+
+from leakref import LeakrefError
+from leakref.certify.certificate import schema
+from leakref.certify.registry import chosen
+from leakref.explain import explained
+
+ODD = """
+import numpy as np
+from leakref.chain import reference
+
+class Empty:
+    "Offers no stage."
+
+class Windows:
+    def window(self, name, size):
+        return reference.window(name, size)
+
+def dated(surface, spacing, wavenumbers, *, gravity, window, method):
+    return reference.extract(surface, spacing, wavenumbers, gravity=gravity, window=window, method=method) * [1, -1]
+"""
+
+
+@pytest.fixture(scope="module")
+def project(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("project")
+    (folder / "odd.py").write_text(ODD)
+    return folder
+
+
+@pytest.mark.parametrize(("words", "status", "said"), [
+    ((), 2, "no target was given"), (("",), 2, "the target is empty"),
+    (("reference", "--command", "x"), 2, "a target and a --command was given"), (("--command", ""), 2, "is empty"),
+    (("--command", "'"), 2, "cannot be split"), (("nonsense",), 2, "names nothing"),
+    (("no_such_module:x",), 2, "there is no module"), (("odd:nothing",), 2, "has no 'nothing'"),
+    (("fault:no-such",), 2, "no-such"), (("variant:no-such",), 2, "no-such"),
+    (("reference", "--only", "no.such"), 2, "no check is called"), (("reference", "--profile", "x"), 2, "no profile"),
+    (("reference", "--golden", "99"), 2, "golden set number 99"),
+    (("--command", "no-such-program-here"), 2, "no-such-program-here"),
+    (("reference", "--only", "scale.peak[quarter]"), 3, "Nothing to run"),
+    (("odd:Empty", "--only", "signs"), 3, "offers none of"),
+    (("odd:Windows", "--only", "signs"), 3, "not judged"),
+])
+def test_wrong_use_and_nothing_to_judge_are_told_apart(project, words, status, said):
+    done = command("certify", *words, cwd=project)
+    assert done.returncode == status, done.stderr + done.stdout
+    text = done.stderr + done.stdout
+    assert said in " ".join(text.split())
+    assert "Traceback" not in text
+
+
+def test_a_certificate_in_json_follows_its_schema_and_names_the_mistake(project, tmp_path):
+    done = command("certify", "odd:dated", "--only", "signs.aligned", "--only", "recovery.pair", "--report",
+                   tmp_path / "report", "--json", cwd=project)
+    record = json.loads(done.stdout)
+    jsonschema.validate(record, schema())
+    assert (done.returncode, record["ok"], record["grade"]) == (1, False, "rejected")
+    assert record["diagnosis"][0]["fault"] == "flipped-y"
+    assert record["diagnosis"][0]["digits"] > 9
+    assert "odd:dated" in record["findings"][0]["repro"]
+    assert json.loads((tmp_path / "report" / "certificate.json").read_text()) == record
+    page = (tmp_path / "report" / "certificate.html").read_text()
+    assert "the y component has the wrong sign" in page
+    assert "<script" not in page
+    assert "rejected" in (tmp_path / "report" / "badge.svg").read_text()
+    assert 'failures="' in (tmp_path / "report" / "junit.xml").read_text()
+
+
+def test_known_failures_are_let_pass_until_they_pass(project, tmp_path):
+    names = [f"{c.id}[{case.id}]" for c, case in chosen(["signs.aligned"], profile="quick")]
+    known = tmp_path / "known.toml"
+    known.write_text("".join(f'"{name}" = {{reason = "rows", issue = "#1"}}\n' for name in names))
+    words = ("--only", "signs.aligned", "--known", known)
+    assert command("certify", "odd:dated", *words, cwd=project).returncode == 0
+    done = command("certify", "reference", *words, cwd=project)
+    assert done.returncode == 1
+    assert "passes; take it off" in " ".join(done.stdout.split())
+    known.write_text('"signs.nothing[x]" = {reason = "rows", issue = "#1"}\n')
+    assert command("certify", "reference", *words, cwd=project).returncode == 2
+
+
+def test_a_program_is_certified_as_a_target_is(project):
+    worker = shlex.join([sys.executable, "-m", "leakref.certify.worker", "reference"])
+    done = command("certify", "--command", worker, "--only", "conformance.window", "--workers", 1, "--json",
+                   cwd=project)
+    record = json.loads(done.stdout)
+    assert (done.returncode, record["grade"], record["target"]) == (0, "conformant", worker)
+    assert len(record["findings"]) == len(chosen(["conformance.window"], profile="quick"))
+
+
+def test_lists_and_schema_are_printed():
+    ids = command("certify", "--list").stdout.split()
+    assert len(ids) == len(set(ids)) == len(chosen(profile="quick")) > 100
+    assert json.loads(command("certify", "--schema").stdout) == schema()
+
+
+@pytest.mark.parametrize(("identifier", "kind"), [
+    ("signs", "a family of checks"), ("signs.sea", "a check"), ("signs.sea[to-22.5]", "a check"),
+    ("exchanged-axes", "a fault"), ("fault:exchanged-axes", "a fault"), ("bfgs", "a correct variant"),
+    ("A4", "a claim of the paper"), ("D4", "a decision"), ("D12", "a decision"), ("window-hann-7", "a golden value")])
+def test_every_kind_of_id_is_explained(identifier, kind):
+    found = explained(identifier)
+    assert str(found["kind"]).startswith(kind)
+    assert len(found) > 3
+    with pytest.raises(LeakrefError, match="did you mean"):
+        explained(identifier + "s")
+
+
+def test_explain_prints_words_or_json():
+    assert "x and y exchanged" in command("explain", "exchanged-axes").stdout
+    assert json.loads(command("explain", "D4", "--json").stdout)["question"]
+    assert command("explain", "no-such-thing-at-all").returncode == 2
+
+
+def test_scaffold_writes_and_says_what_comes_next(tmp_path):
+    done = command("scaffold", "python", tmp_path / "new", "--json")
+    said = json.loads(done.stdout)
+    assert said["next"] == "leakref certify adapter:Code"
+    assert (tmp_path / "new" / "adapter.py").exists()
+    assert command("scaffold", "python", tmp_path / "new").returncode == 2
+    assert command("scaffold", "cobol", tmp_path / "other").returncode == 2
