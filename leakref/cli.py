@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
 from collections.abc import Callable
 from functools import wraps
@@ -326,4 +327,10 @@ def main() -> None:
     for stream in (sys.stdout, sys.stderr):  # a pipe may be ASCII, and figures carry degrees and deltas
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(encoding="utf-8", errors="replace")
+    signal.signal(signal.SIGTERM, _stopped)
     app()
+
+
+def _stopped(number: int, frame: object) -> None:
+    """Told to end: as by Ctrl-C, so that programs under judgement and temporary folders go as well."""
+    raise KeyboardInterrupt
