@@ -76,11 +76,18 @@ class Examined:
             self.subject.calls.clear()
 
     def velocities(self, surface: FloatArray, cube: Cube, window: str, method: str, *,
-                   spacing: Sequence[float] | None = None, scale: float = 1.0) -> FloatArray:
-        """Velocities (n, 2) of a surface, sampled and asked for as `cube` is unless said otherwise."""
-        found = self.ask("extract", np.ascontiguousarray(surface), spacing or cube.spacing, cube.wavenumbers,
-                         window=window, method=method, scale=scale)
-        return np.asarray(found.values)
+                   spacing: Sequence[float] | None = None, scale: float = 1.0, every: bool = False) -> FloatArray:
+        """Velocities (n, 2) of a surface, sampled and asked for as `cube` is unless said otherwise.
+
+        NaN where declined, and, unless `every` is wanted, where the reference has something to note of the cube: there
+        it may have no number itself, and it is not asked for.
+        """
+        known = np.full(cube.wavenumbers.size, True) if every else unflagged(cube, window, method)
+        values = np.full((known.size, 2), np.nan)
+        if known.any():
+            values[known] = self.ask("extract", np.ascontiguousarray(surface), spacing or cube.spacing,
+                                     cube.wavenumbers[known], window=window, method=method, scale=scale).values
+        return values
 
 
 def _noted(surface: FloatArray, spacing: Sequence[float], cube: Cube, window: str,
@@ -98,7 +105,7 @@ def same(examined: Examined, cube: Cube, window: str, method: str, found: FloatA
     In shells of which the reference has nothing to note, in the cube and in the `changed` surface with its spacing. A
     tenth: room for an optimiser that stops early and for single precision. Resolutions are those of eq:dcdwk.
     """
-    known = unflagged(cube, window, method) & np.isfinite(found).all(axis=1) & np.isfinite(should).all(axis=1)
+    known = np.isfinite(found).all(axis=1) & np.isfinite(should).all(axis=1)
     allowed = np.full(known.size, exact) if examined.is_reference else FRACTION * cube.resolutions[0]
     error = np.hypot(*(found - should).T)
     bad = known & ~(error <= allowed)

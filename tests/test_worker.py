@@ -135,12 +135,13 @@ def test_a_bare_function_is_asked_for_no_more_than_it_takes(folder):
     assert found.declined.tolist() == [True, False]
 
 
-@pytest.mark.parametrize(("target", "words"), [
-    ("no_such_module:code", "there is no module 'no_such_module'"), ("small_code:none", "small_code has no 'none'"),
-    ("small_code:nothing", "offers none of window"), ("failing_code:x", "ValueError: "),
-    ("small_code:Broken", "declares axes = 'abc'"), ("fault:no-such-fault", "no-such-fault")])
-def test_a_target_that_cannot_be_used_is_wrong_use(folder, target, words):
+@pytest.mark.parametrize(("target", "words", "broken"), [
+    ("no_such_module:code", "there is no module 'no_such_module'", False),
+    ("small_code:none", "small_code has no 'none'", False), ("failing_code:x", "ValueError: ", False),
+    ("fault:no-such-fault", "no-such-fault", False),
+    ("small_code:nothing", "offers none of window", True), ("small_code:Broken", "declares axes = 'abc'", True)])
+def test_a_target_that_is_none_is_wrong_use_and_one_that_offers_nothing_cannot_be_judged(folder, target, words, broken):
     with pytest.raises(LeakrefError) as refused, connect(target):
         pass
     assert words in str(refused.value)
-    assert not isinstance(refused.value, HarnessBroken)
+    assert isinstance(refused.value, HarnessBroken) == broken

@@ -127,7 +127,7 @@ class _Fixed(Reference):
 
 
 class _Declining(Reference):
-    """Returns nothing for a wavenumber that it does not trust."""
+    """Returns nothing for a wavenumber that it does not trust, unless it is the only one."""
 
     def extract(self, surface: FloatArray, spacing: tuple[float, float, float], wavenumbers: FloatArray,
                 *, gravity: float = 1.0, window: str = "hann", method: str = "nsp") -> Any:
@@ -135,7 +135,7 @@ class _Declining(Reference):
 
         found = extract(surface, spacing, wavenumbers, gravity=gravity, window=window, method=method)
         bad = np.array([bool(note & (Note.ANOTHER_BASIN | Note.LEAKAGE_FLOOR | Note.UNCONVERGED | Note.NO_SIGNAL))
-                        for note in found.notes])
+                        for note in found.notes]) & (len(found.notes) > 1)
         return [None if nothing else row.tolist() for nothing, row in zip(bad, found.velocities, strict=True)]
 
 
