@@ -89,6 +89,16 @@ class Examined:
                                      cube.wavenumbers[known], window=window, method=method, scale=scale).values
         return values
 
+    def velocities_of_changed(self, surface: FloatArray, cube: Cube, window: str, method: str,
+                              spacing: Sequence[float]) -> FloatArray:
+        """`velocities` of a surface that is not that of `cube`: NaN if refused where all is to be noted of it too."""
+        try:
+            return self.velocities(surface, cube, window, method, spacing=spacing)
+        except AssertionError:
+            if _noted(surface, spacing, cube, window, method).all():
+                return np.full((cube.wavenumbers.size, 2), np.nan)
+            raise
+
 
 def _noted(surface: FloatArray, spacing: Sequence[float], cube: Cube, window: str,
            method: str) -> npt.NDArray[np.bool_]:

@@ -42,7 +42,6 @@ class Drawn(Cube):
 
 
 SIDES = (11, 12, 13, 16, 17, 19, 23, 25, 31, 32, 36)
-TIMES = (97, 100, 101, 107, 112, 121, 128)
 
 
 def examples(count: int, *, shrink: bool = False) -> settings:
@@ -106,7 +105,9 @@ def currents(fastest: float = 0.25) -> st.SearchStrategy[tuple[float, float]]:
 def _boxed(draw: st.DrawFn, bins: list[tuple[int, int]], stretch: float) -> tuple[Grid, list[int]]:
     """A grid on which waves at `bins` (i, j), dkx / dky = `stretch`, are well below Nyquist, and their omega0 in bins.
 
-    Along time the shell around them, moved by any current within 0.4 c0, stays four widths a below Nyquist.
+    Along time the shell around them, moved by any current within 1.2 phase velocities, stays four widths a below
+    Nyquist: an optimiser that looks so far must not find G where it has left the band. And a is some third of their
+    frequency, so that one that looks along lines sees the basin it starts in.
     """
     size = np.hypot(*(np.array(bins) * [stretch, 1]).T)
     dk = max(stretch, 1.0)
@@ -116,9 +117,8 @@ def _boxed(draw: st.DrawFn, bins: list[tuple[int, int]], stretch: float) -> tupl
     least = [int(2 * outer / d) + 2 for d in (stretch, 1.0)]
     nx, ny = (draw(st.sampled_from([n for n in (*SIDES, 41, 53, 64, 81, 97, 128) if n >= m][:4])) for m in least)
     low, high = (float(intrinsic_frequency(unit * k)) for k in (size.min(), outer))
-    nt = draw(st.sampled_from(TIMES))
-    domega = (high + 0.4 * unit * outer) / (nt / 2 - 17)
-    assume(low / domega > 11.5)
+    domega = low / draw(st.floats(11.6, 12.6))
+    nt = int(2 * (high + 1.2 * unit * outer / np.sqrt(k0)) / domega) + 34 + draw(st.integers(0, 7))
     grid = Grid((nx, ny, nt), (2 * np.pi / (nx * stretch * unit), 2 * np.pi / (ny * unit), 2 * np.pi / (nt * domega)))
     return grid, [round(float(intrinsic_frequency(unit * k)) / domega) for k in size]
 

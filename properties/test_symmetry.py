@@ -44,7 +44,7 @@ def held(examined: Examined, cube: Cube, matrix: FloatArray, change: Change = la
             should = examined.velocities(cube.surface, cube, window, method) @ matrix.T
             failed = None
             for surface in surfaces:
-                found = examined.velocities(surface, cube, window, method, spacing=spacing)
+                found = examined.velocities_of_changed(surface, cube, window, method, spacing)
                 try:
                     same(examined, cube, window, method, found, should, (surface, spacing))
                     break

@@ -10,7 +10,7 @@ from leakref.altered import Change
 from leakref.certify import cubes, faults, strength
 from leakref.certify.faults import FAULTS, Fault
 from leakref.certify.inprocess import InProcess
-from leakref.certify.registry import CHECKS, chosen
+from leakref.certify.registry import CHECKS, FAMILIES, chosen
 from leakref.certify.statistics import excess, share
 from leakref.certify.strength import Job, classes, compute, false_alarms, fault_record, fresh, problems, study
 from leakref.certify.variants import VARIANTS
@@ -54,11 +54,21 @@ def test_too_small_an_effect_and_a_sound_fault_rejected_are_problems():
     row = {"id": "x", "killed_by": "signs.a[b]", "effect_over_tolerance": 9.0, "witness": "signs.a[b]",
            "family": "conformance", "kills": {"conformance": 9.0, "signs": 2.0}}
     said = problems({"faults": [row], "variants": [],
-                     "families": [{"family": "scale", "only": []}],
+                     "families": [{"family": "scale", "meant": 0, "only": []}],
                      "false_alarms": {"nominal": 1e-3, "at_margin": {"rate": 0.1, "interval": [0.09, 0.11]}}})
     assert [line.split()[0] for line in said] == ["the", "the", "no", "false"]
     assert "9.0 times" in said[0]
     assert "signs rejects it" in said[1]
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_a_family_switched_off_lets_the_faults_meant_for_it_live(family, monkeypatch):
+    fault = next(fault for fault in FAULTS.values() if fault.family == family)
+    monkeypatch.setattr(strength, "chosen", lambda **of: [p for p in chosen(**of) if p[0].family != family])
+    record = fault_record(fault)
+    assert record["killed_by"] is None
+    said = problems({"faults": [{**record, "kills": strength._kills(record)}], "variants": []})
+    assert said == [f"the fault {fault.id} survives the checks of {family}"]
 
 
 def test_the_study_goes_on_where_it_stopped(few, tmp_path, monkeypatch):

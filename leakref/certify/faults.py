@@ -287,7 +287,7 @@ _SHELL = (
     Fault("sum-for-length", "shell", "recovery", "the length of k is |kx| + |ky|",
           (Change("shell", 'k = np.hypot(*np.meshgrid(spectrum.kx, spectrum.ky, indexing="ij"))',
                   'k = np.add(*np.abs(np.meshgrid(spectrum.kx, spectrum.ky, indexing="ij")))'),)),
-    Fault("shell-off-by-one", "shell", "currents", "shells lie one bin too high",
+    Fault("shell-off-by-one", "shell", "conformance", "shells lie one bin too high",
           (Change("shell", "np.abs(k - wavenumber) / dk", "np.abs(k - wavenumber - dk) / dk"),)),
     Fault("disc-for-shell", "shell", "shear", "all bins below the shell belong to it",
           (Change("shell", "np.abs(k - wavenumber) / dk", "(k - wavenumber) / dk"),)),
@@ -425,7 +425,8 @@ _WITNESSES = {
     "conformance.spectrum[spectrum-on-bin-hann]":
         "no-taper taper-in-time-only taper-in-space-only taper-twice symmetric-taper hamming-for-hann power-returned "
         "mirror-not-conjugate",
-    "leakage.swell[low]": "taper-not-along-y taper-inside-out",
+    "leakage.swell[low]": "taper-not-along-y",
+    "leakage.flicker[fast]": "taper-inside-out",
     "conformance.window[window-hann-7]": "taper-half-period",
     "conformance.spectrum[spectrum-scattered]": "blackman-sign",
     "conformance.window[window-kaiser-bessel-12]": "kaiser-without-pi",

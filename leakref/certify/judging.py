@@ -25,8 +25,8 @@ FRACTION = 0.1
 """Of the smaller resolution (eq:dcdwk): how near answers must be that ought to be the same."""
 NEVER = 1e6
 """The effect over tolerance of what is either right or wrong."""
-ROOM = ("the larger resolution (eq:dcdwk), and for other methods than the NSP as much again as the reference's least "
-        "squares is off there")
+ROOM = ("the larger resolution (eq:dcdwk), and for other methods than the NSP twice as much more as the reference's "
+        "least squares is off there")
 """`room` in words."""
 IN_THE_MEAN = f"the mean error, over wavenumbers of which the reference notes nothing, is below the mean of {ROOM}"
 """`in_the_mean` in words."""
@@ -126,12 +126,12 @@ def room(cube: Cube, window: str, method: str) -> FloatArray:
     """How far off the truth an answer in a tapered sea may be, (n,): the larger resolution (eq:dcdwk).
 
     Least squares, and what else fits strong bins, depends on which bins pass a threshold, and errs by as much and more
-    from one sea to the next: it may be as far off again as the reference's least squares is in this one.
+    from one sea to the next: it may be off by twice as much more as the reference's least squares is in this one.
     """
     if method == "nsp":
         return cube.resolutions[1]
     own = np.hypot(*(expected(cube, window, "ls").velocities - cube.truth).T)
-    return cube.resolutions[1] + np.nan_to_num(own)
+    return cube.resolutions[1] + 2 * np.nan_to_num(own)
 
 
 def in_the_mean(subject: Subject, cube: Cube, window: str, method: str) -> Outcome:

@@ -173,11 +173,11 @@ class _Own:
     """The normalized scalar product and least squares over the whole space, written from the paper a second time."""
 
     def __init__(self, optimiser: Callable[[Score, float], FloatArray] = _simplex, *, transform: Any = scipy.fft.fftn,
-                 half: bool = False, real: type[np.floating[Any]] = np.float64, tapers: bool = True) -> None:
-        self.optimiser, self.transform, self.half, self.real, self.tapers = optimiser, transform, half, real, tapers
+                 half: bool = False, real: type[np.floating[Any]] = np.float64, taper: str = "hann") -> None:
+        self.optimiser, self.transform, self.half, self.real, self.taper = optimiser, transform, half, real, taper
 
     def describe(self) -> Mapping[str, object]:
-        windows = ["box", "hann"] if self.tapers else []
+        windows = ["box", self.taper] if self.taper else []
         return {"can": {"extract": {"methods": ["nsp", "ls"], "windows": windows}}}
 
     def extract(self, surface: FloatArray, spacing: Sequence[float], wavenumbers: Sequence[float], *,
@@ -194,9 +194,10 @@ class _Own:
 
     def _space(self, eta: FloatArray, spacing: Sequence[float], window: str) -> Bins:
         """A forward transform along all axes puts a wave at (k, -omega): so omega is minus its frequency."""
-        if window == "hann" and self.tapers:
+        if window == self.taper:
+            mean = {"hann": 0.5, "hamming": 0.54}[window]
             for axis, n in enumerate(eta.shape):
-                taper = np.sin(np.pi * np.arange(n) / n).astype(self.real) ** 2
+                taper = (mean - (1 - mean) * np.cos(2 * np.pi * np.arange(n) / n)).astype(self.real)
                 eta = eta * taper.reshape([-1 if a == axis else 1 for a in range(3)])
         kx, ky, omega = (2 * np.pi * np.fft.fftfreq(n, d) for n, d in zip(eta.shape, spacing, strict=True))
         f = np.abs(self.transform(eta / np.abs(eta).max()))
@@ -332,7 +333,8 @@ VARIANTS = {variant.id: variant for variant in (
     Variant("lattice-search", "sound", "looks for the highest maximum on a lattice", lambda: _Own(_lattice)),
     Variant("ls-by-simplex", "sound", "does its least squares by a simplex search", _BySimplex),
     Variant("loops", "conformant", "sums bin by bin in plain loops", _ByLoops),
-    Variant("no-taper", "sound", "tapers nothing, and says so", lambda: _Own(tapers=False)),
+    Variant("no-taper", "sound", "tapers nothing, and says so", lambda: _Own(taper="")),
+    Variant("hamming", "sound", "tapers with the Hamming window, and says so", lambda: _Own(taper="hamming")),
     Variant("band", "sound", "fits one current to the whole band", _Band),
 )}  # fmt: skip
 """Every variant by id."""

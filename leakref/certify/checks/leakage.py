@@ -17,7 +17,7 @@ from leakref.dispersion import UniformCurrent
 from leakref.grid import Grid
 from leakref.sea import Components
 
-__all__ = ["MARGIN", "check_aligned", "check_bias", "check_still", "check_swell"]
+__all__ = ["MARGIN", "check_aligned", "check_bias", "check_flicker", "check_still", "check_swell"]
 
 MARGIN = 0.5
 """Of the mean smaller resolution: how much larger an error than the reference's may be in the mean."""
@@ -46,9 +46,25 @@ def check_swell(subject: Subject, case: Case) -> Outcome:
     n = np.arange(1, 41)
     k, angle = 1.2 + 1.6 * (n * np.sqrt(2) % 1), np.radians(70 + 60 * ((n * np.sqrt(3) % 1) - 0.5))
     local = cubes.waves(SEA, k * np.cos(angle), k * np.sin(angle), (1.9, 2.1, 2.3, 2.5))
-    swell = Components(*(np.array([v]) for v in (*np.multiply(case.given["at"], SEA.bin_widths), 200.0, 0.3)))
+    swell = Components(*(np.array([v]) for v in (*np.multiply(case.given["at"], SEA.bin_widths), 60.0, 0.3)))
     cube = Cube(cubes.together(local.components, swell), SEA, local.wavenumbers, local.current)
     return each_method(subject, lambda method: in_the_mean(subject, cube, taper(subject), method))
+
+
+@check("leakage", "sec:leakage", WITHIN, [Case("fast"), Case("strong", {"strength": 200.0}, quick=False)])
+def check_flicker(subject: Subject, case: Case) -> Outcome:
+    """A texture that flickers far faster than the waves and many times as strong: tapered along time it stays at its
+    own frequency; if not, it is smeared over all of them."""
+    if "nsp" not in subject.declaration.methods or subject.declaration.band:
+        raise Unanswered(Verdict.UNSUPPORTED, "offers no NSP; what fits the strongest bins may well fit these")
+    n = np.arange(1, 41)
+    k, angle = 1.0 + 1.2 * (n * np.sqrt(2) % 1), 2 * np.pi * (n * np.sqrt(3) % 1)
+    local = cubes.waves(SEA, k * np.cos(angle), k * np.sin(angle), (1.4, 1.6, 1.8), UniformCurrent((0.1, 0.05)))
+    waves, strength = local.components, case.given.get("strength", 100.0)
+    texture = Components(waves.kx, waves.ky, np.full(n.size, 38.5 * SEA.frequency_resolution),
+                         np.full(n.size, strength), waves.phase)
+    cube = Cube(cubes.together(waves, texture), SEA, local.wavenumbers, local.current)
+    return in_the_mean(subject, cube, taper(subject), "nsp")
 
 
 @check("leakage", "eq:normSp", "2e-4 c0, three times what optimisers at default tolerances miss; for the NSP also a "

@@ -31,18 +31,31 @@ def image(found: FloatArray, should: FloatArray) -> str:
     return nearest if off[nearest] < np.hypot(*(found - should)) else ""
 
 
-def _sided(found: FloatArray, should: FloatArray) -> Outcome:
-    """Nearer to the truth than half-way to the nearest of its images."""
-    halfway = min(float(np.hypot(*(np.asarray(matrix) @ should - should))) for matrix in IMAGES.values()) / 2
-    over = float(np.hypot(*(found - should))) / halfway
+def _told(over: float, found: FloatArray, should: FloatArray) -> Outcome:
     looks = image(found, should) if over > 1 else ""
     told = f"a current of {vector(should)} comes back {looks}, as" if looks else f"a current of {vector(should)} is"
     return Outcome(over, f"{told} {vector(found)}", figures={"velocity": found.tolist(), "should_be": should.tolist(),
                                                             "image": looks})
 
 
-@check("signs", "eq:SnJ", "half-way to the nearest velocity that a slip of sign or order could give: 0.11 c0, which is "
-       "1.5 resolutions (eq:dcdwk) of the mean over four wavenumbers", CASES)
+def _ways(should: FloatArray) -> list[FloatArray]:
+    """From the truth to each of its images."""
+    return [np.asarray(matrix) @ should - should for matrix in IMAGES.values()]
+
+
+def _sided(found: FloatArray, should: FloatArray) -> Outcome:
+    """Nearer to the truth than half-way to the nearest of its images."""
+    halfway = min(float(np.hypot(*way)) for way in _ways(should)) / 2
+    return _told(float(np.hypot(*(found - should))) / halfway, found, should)
+
+
+def _turned_away(found: FloatArray, should: FloatArray) -> Outcome:
+    """Less than two fifths of the way to each of its images, whatever else is wrong with it."""
+    return _told(max(float((found - should) @ way / (way @ way)) for way in _ways(should)) / 0.4, found, should)
+
+
+@check("signs", "eq:SnJ", "two fifths of the way to any velocity that a slip of sign or order could give: correct "
+       "codes of all kinds go half as far, a component that is missing goes half-way", CASES)
 def check_sea(subject: Subject, case: Case) -> Outcome:
     """A transform forward in time, rows counted downwards or columns taken for rows turn the current of a sea into
     another one of the same speed: negated, one component flipped, x and y exchanged."""
@@ -52,7 +65,7 @@ def check_sea(subject: Subject, case: Case) -> Outcome:
 
     def judge(method: str) -> Outcome:
         found, there = ask(subject, cube, window, method)
-        return _sided(found[there].mean(axis=0), cube.truth[0])
+        return _turned_away(found[there].mean(axis=0), cube.truth[0])
 
     return each_method(subject, judge)
 
