@@ -462,3 +462,47 @@ def test_excess_raises_as_many_false_alarms_as_it_says():
 def test_grids_of_the_seas_are_those_of_the_reason():
     assert SEA.shape[0] != SEA.shape[1] != SEA.shape[2]
     assert len({*SEA.spacing}) == 3
+
+
+def test_conformance_is_to_the_golden_set_that_was_asked_for(tmp_path, monkeypatch):
+    import shutil
+    from importlib import resources
+
+    from leakref.certify.checks import conformance
+
+    with resources.as_file(resources.files("leakref._golden").joinpath("v1")) as first:
+        shutil.copytree(first, tmp_path / "v2")
+    path = tmp_path / "v2" / "vectors" / "window.json"
+    path.write_text(path.read_text(encoding="utf-8").replace("0.18825509907063323", "0.19825509907063323"),
+                    encoding="utf-8")
+    usual = conformance.locate
+    monkeypatch.setattr(conformance, "locate", lambda n: usual(n) if n == 1 else tmp_path / f"v{n}")
+    for number, verdict in ((1, "pass"), (2, "fail")):
+        (pair,) = chosen(["conformance.window[window-hann-7]"], golden=number)
+        assert pair[0](InProcess(Reference()), pair[1]).verdict == verdict
+    assert len(chosen(golden=2)) == len(chosen())
+
+
+class Square(Reference):
+    """Knows square pixels only, as many codes for videos do."""
+
+    def describe(self):
+        return {"name": "square", "fixed": ["dy"], "can": {"extract": {"methods": ["nsp", "ls"]}}}
+
+    def extract(self, surface, spacing, *rest, **settings):
+        assert spacing[0] == spacing[1]
+        return super().extract(surface, spacing, *rest, **settings)
+
+
+@pytest.mark.parametrize("family", ["signs", "recovery", "leakage.swell", "leakage.aligned", "currents.aligned",
+                                    "metamorphic.symmetry", "behaviour.sizes", "behaviour.input"])
+def test_a_code_for_square_pixels_is_shown_square_pixels(family):
+    found = [c(InProcess(Square()), case) for c, case in chosen([family], profile="quick")]
+    assert {f.verdict for f in found} == {Verdict.PASS}, [(f.id, f.message) for f in found]
+    assert cubes.sampling(SEA) is SEA
+
+
+def test_golden_cubes_whose_pixels_are_not_square_are_not_for_it():
+    (finding,) = (c(InProcess(Square()), case) for c, case in chosen(["conformance.extract[nsp-oblong]"]))
+    assert finding.verdict is Verdict.UNSUPPORTED
+    assert "square pixels" in finding.message

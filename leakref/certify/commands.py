@@ -75,7 +75,7 @@ def run(request: Request, *, json: bool = False) -> int:
     known = read_known(request.known) if request.known else {}
     if request.report:
         folder(request.report)
-    checks = chosen(request.only, profile=request.profile)
+    checks = chosen(request.only, profile=request.profile, golden=request.golden)
     if not checks:
         console().print(f"[red]Nothing to run:[/] no check of the {request.profile} profile matches "
                         f"{', '.join(map(escape, request.only))}.")

@@ -5,8 +5,12 @@ No two sizes and no two spacings of a grid are alike, and dkx differs from dky, 
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -16,8 +20,8 @@ from leakref.grid import Grid
 from leakref.sea import Components, SeaState, aligned_waves
 from leakref.synthesis import synthesize
 
-__all__ = ["BRIEF", "EVEN", "GRIDS", "ODD", "PRIME", "SEA", "SHELLS", "Cube", "pair", "polar", "sea", "together",
-           "waves"]
+__all__ = ["BRIEF", "EVEN", "GRIDS", "ODD", "PRIME", "SEA", "SHELLS", "Cube", "pair", "polar", "sampled", "sampling",
+           "sea", "together", "waves"]
 
 SEA = Grid((50, 44, 80), (0.63, 0.68, 0.78))
 """Five peak wavelengths by ten periods, a tenth of a wavelength and an eighth of a period apart."""
@@ -30,6 +34,27 @@ GRIDS = {"even": EVEN, "odd": ODD, "prime": PRIME}
 """For aligned waves: long, so that the frequency bins are narrow."""
 SHELLS = (1.25, 1.5, 1.8, 2.15)
 """Wavenumbers at which seas are judged: above the peak, their shells well below Nyquist."""
+
+
+_SQUARE: ContextVar[bool] = ContextVar("square", default=False)
+
+
+@contextmanager
+def sampled(*, square: bool) -> Iterator[None]:
+    """Within it cubes have square pixels, for a code that knows no others, or are as they are."""
+    token = _SQUARE.set(square)
+    try:
+        yield
+    finally:
+        _SQUARE.reset(token)
+
+
+def sampling(grid: Grid) -> Grid:
+    """The grid, or where pixels must be square one like it with dy = dx, its number of rows odd or even as before."""
+    if not _SQUARE.get():
+        return grid
+    (nx, ny, nt), (dx, dy, dt) = grid.shape, grid.spacing
+    return Grid((nx, ny + 2 * round((ny * dy / dx - ny) / 2), nt), (dx, dx, dt))
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,21 +95,30 @@ def polar(speed: float, direction: float) -> tuple[float, float]:
     return float(speed * np.cos(np.radians(direction))), float(speed * np.sin(np.radians(direction)))
 
 
-@lru_cache(maxsize=64)
 def sea(direction: float, spread: float, current: Current | None = None, *, realization: int = 0,
         peakedness: float = 3.3, grid: Grid = SEA, wavenumbers: tuple[float, ...] = SHELLS) -> Cube:
     """A JONSWAP sea on a current."""
-    current = current or UniformCurrent()
+    below: Any = current or UniformCurrent()
+    return _sea(direction, spread, below, realization, peakedness, sampling(grid), wavenumbers)
+
+
+@lru_cache(maxsize=64)
+def _sea(direction: float, spread: float, current: Any, realization: int, peakedness: float, grid: Grid,
+         wavenumbers: tuple[float, ...]) -> Cube:
     state = SeaState(direction, spread, peakedness, float(min(grid.lengths[:2])) / (2 * np.pi), current)
     return Cube(state.components(realization), grid, np.array(wavenumbers), current)
 
 
-@lru_cache(maxsize=64)
 def pair(grid: Grid, first: tuple[int, int], second: tuple[int, int], near: tuple[float, float]) -> Cube:
     """Two waves exactly on bins (i, j), at the frequency bins that a current closest to `near` puts them on.
 
     Asked for half-way between their wavenumbers. Their current is exact, and not quite `near`.
     """
+    return _pair(sampling(grid), first, second, near)
+
+
+@lru_cache(maxsize=64)
+def _pair(grid: Grid, first: tuple[int, int], second: tuple[int, int], near: tuple[float, float]) -> Cube:
     k = np.array([first, second]) * grid.bin_widths[:2]
     size = np.hypot(*k.T)
     m = np.rint((intrinsic_frequency(size) + k @ np.asarray(near)) / grid.frequency_resolution).astype(int)
@@ -95,7 +129,7 @@ def pair(grid: Grid, first: tuple[int, int], second: tuple[int, int], near: tupl
 def waves(grid: Grid, kx: FloatArray, ky: FloatArray, wavenumbers: tuple[float, ...], current: Current | None = None,
           amplitude: FloatArray | float = 1.0) -> Cube:
     """Waves at any wavenumbers (n,) on a current; phases scattered evenly."""
-    current = current or UniformCurrent()
+    current, grid = current or UniformCurrent(), sampling(grid)
     size = np.hypot(kx, ky)
     shift = current.doppler_shift_velocity(size)
     omega = intrinsic_frequency(size) + kx * shift[:, 0] + ky * shift[:, 1]

@@ -16,7 +16,10 @@ _DEFAULT = {"name": "unnamed", "version": "", "units": "scaled", "axes": "xyt", 
 
 @dataclass(frozen=True)
 class Declaration:
-    """The fields of "ready" in CONTRACT.md, checked and completed."""
+    """The fields of "ready" in CONTRACT.md, checked and completed.
+
+    `fixed` are parameters that it cannot be told: `wavenumbers` if it has its own, `dy` if it knows square pixels only.
+    """
 
     name: str = "unnamed"
     version: str = ""

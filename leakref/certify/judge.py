@@ -29,7 +29,7 @@ def certify(target: str, subjects: Sequence[AbstractContextManager[Subject]], ch
     the checks, whichever session made them. Raises LeakrefError for a known failure that is no check's id.
     """
     known = dict(known or {})
-    ids = {identifier for check, _ in chosen() for identifier, _ in check.ids()}
+    ids = {identifier for check, _ in chosen(golden=golden) for identifier, _ in check.ids()}
     if unknown := sorted(set(known) - ids):
         raise LeakrefError("certify", f"the known failure {unknown[0]!r} is none of the {len(ids)} there are",
                            "correct the id; `leakref certify --list` prints all")

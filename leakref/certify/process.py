@@ -63,12 +63,15 @@ class ProcessSubject(Subject):
     def __enter__(self) -> Self:
         self._exchange = Exchange(self.keep)
         try:
+            what, remedy = "", "see that it speaks protocol 1; `leakref scaffold` writes one that does"
             try:
                 self.declaration = self._start()
+                what, remedy = " a first small question", ('see to that; one that knows square pixels only says '
+                                                           '"fixed": ["dy"], and to what it cannot do "unsupported"')
                 self._try_out()
             except Unanswered as nothing:
-                raise HarnessBroken("certify", f"the program does not answer: {self._blamed(nothing)}",
-                                    "see that it speaks protocol 1; `leakref scaffold` writes one that does") from None
+                raise HarnessBroken("certify", f"the program does not answer{what}: {self._blamed(nothing)}",
+                                    remedy) from None
         except BaseException:
             self.close()
             raise
@@ -136,7 +139,7 @@ class ProcessSubject(Subject):
 
     def _try_out(self) -> None:
         """Ask one small question, of a 16 x 12 x 10 cube. Raises Unanswered only where there is no proper answer."""
-        grid = Grid((16, 12, 10), (0.9, 1.1, 0.8))
+        grid = Grid((16, 12, 10), (0.9, 0.9 if "dy" in self.declaration.fixed else 1.1, 0.8))
         waves, _ = aligned_waves(grid, [(3, 1, 2), (1, 2, 2)])
         axes = [grid.samples(axis) for axis in range(3)]
         declared = self.declaration

@@ -9,6 +9,7 @@ from fnmatch import fnmatchcase
 from typing import Any
 
 from leakref._base import LeakrefError
+from leakref.certify import cubes
 from leakref.certify.subject import Subject
 from leakref.certify.verdict import Finding, Unanswered, Verdict
 
@@ -77,7 +78,8 @@ class Check:
                         repro=f"leakref certify TARGET --only '{identifier}' --keep FOLDER")
         subject.calls.clear()
         try:
-            outcome = self.function(subject, case)
+            with cubes.sampled(square="dy" in subject.declaration.fixed):
+                outcome = self.function(subject, case)
         except Unanswered as nothing:
             return replace(blank, verdict=nothing.verdict, message=nothing.message, calls=tuple(subject.calls))
         over = outcome.over
@@ -116,13 +118,17 @@ def _all() -> dict[str, Check]:
     return CHECKS
 
 
-def chosen(patterns: Sequence[str] = (), *, profile: str = "full") -> list[tuple[Check, Case]]:
+def chosen(patterns: Sequence[str] = (), *, profile: str = "full", golden: int = 1) -> list[tuple[Check, Case]]:
     """Checks and cases whose id, check or family matches one of the patterns (default: all) in a profile.
 
-    Raises LeakrefError for a pattern that matches nothing in any profile.
+    Conformance is to golden set number `golden`. Raises LeakrefError for a pattern that matches nothing in any profile.
     """
-    order = {family: n for n, family in enumerate(FAMILIES)}
-    found = [(identifier, c, case) for c in sorted(_all().values(), key=lambda c: order[c.family])
+    order, every = {family: n for n, family in enumerate(FAMILIES)}, _all()
+    if golden != 1:
+        from leakref.certify.checks import conformance
+
+        every = {**every, **conformance.of_set(golden)}
+    found = [(identifier, c, case) for c in sorted(every.values(), key=lambda c: order[c.family])
              for identifier, case in c.ids()]
 
     def matches(pattern: str, identifier: str, c: Check) -> bool:

@@ -99,6 +99,8 @@ class Subject:
 
     def _surface(self, surface: FloatArray, spacing: Sequence[float],
                  scale: float) -> tuple[dict[str, Any], list[float], float]:
+        if "dy" in self.declaration.fixed and abs(spacing[1] - spacing[0]) > 1e-9 * spacing[0]:
+            raise Unanswered(Verdict.UNSUPPORTED, "knows square pixels only, and dy is not dx here")
         length, time, gravity = self.units(scale)
         steps = [spacing[0] * length, spacing[1] * length, spacing[2] * time]
         axes = {name: np.arange(n) * step for name, n, step in zip("xyt", surface.shape, steps, strict=True)}

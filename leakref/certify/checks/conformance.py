@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -12,16 +13,16 @@ from leakref.certify import cubes
 from leakref.certify.cubes import Cube, polar
 from leakref.certify.expected import expected, score, unflagged
 from leakref.certify.judging import EXACT, FLATTER, as_array, verdict
-from leakref.certify.registry import Case, Outcome, check
+from leakref.certify.registry import CHECKS, Case, Check, Outcome, check
 from leakref.certify.subject import Subject
 from leakref.certify.verdict import Unanswered, Verdict
 from leakref.dispersion import Scales, UniformCurrent
-from leakref.golden import Entry, Golden, agreed_digits
+from leakref.golden import Entry, Golden, agreed_digits, locate
 from leakref.grid import Grid
 from leakref.sea import Components
 from leakref.synthesis import synthesize
 
-__all__ = ["PRECISION", "check_extract", "check_sea", "check_spectrum", "check_surface", "check_window"]
+__all__ = ["PRECISION", "check_extract", "check_sea", "check_spectrum", "check_surface", "check_window", "of_set"]
 
 PRECISION = 1e-5
 """Of the largest value: a hundred times what single precision rounds, a thousandth of an error of one percent."""
@@ -32,17 +33,25 @@ SCORED = ("2e-4 c0, or for the NSP a score within a relative 1e-6 of the golden 
 
 
 @cache
-def _entries(stage: str) -> dict[str, Entry]:
-    """The golden vectors of a stage that hold a number."""
-    return {entry.id: entry for entry in Golden().file(f"vectors/{stage}.json") if entry.values}
+def _entries(stage: str, number: int) -> dict[str, Entry]:
+    """The golden vectors of a stage, in a set, that hold a number."""
+    return {entry.id: entry for entry in Golden(locate(number)).file(f"vectors/{stage}.json") if entry.values}
 
 
-def _vectors(*stages: str) -> list[Case]:
-    return [Case(identifier, {"stage": stage}) for stage in stages for identifier in _entries(stage)]
+def _vectors(*stages: str, number: int = 1) -> list[Case]:
+    return [Case(identifier, {"stage": stage, "set": number}) for stage in stages
+            for identifier in _entries(stage, number)]
 
 
 def _entry(case: Case) -> Entry:
-    return _entries(case.given["stage"])[case.id]
+    return _entries(case.given["stage"], case.given["set"])[case.id]
+
+
+def of_set(number: int) -> dict[str, Check]:
+    """The checks by id that compare with golden vectors, on those of another set. Raises LeakrefError."""
+    own = [c for c in CHECKS.values() if any("set" in case.given for case in c.cases)]
+    stages = {c.id: dict.fromkeys(case.given["stage"] for case in c.cases) for c in own}
+    return {c.id: replace(c, cases=tuple(_vectors(*stages[c.id], number=number))) for c in own}
 
 
 def _waves(entry: Entry) -> Components:

@@ -46,8 +46,8 @@ def check_swell(subject: Subject, case: Case) -> Outcome:
     n = np.arange(1, 41)
     k, angle = 1.2 + 1.6 * (n * np.sqrt(2) % 1), np.radians(70 + 60 * ((n * np.sqrt(3) % 1) - 0.5))
     local = cubes.waves(SEA, k * np.cos(angle), k * np.sin(angle), (1.9, 2.1, 2.3, 2.5))
-    swell = Components(*(np.array([v]) for v in (*np.multiply(case.given["at"], SEA.bin_widths), 60.0, 0.3)))
-    cube = Cube(cubes.together(local.components, swell), SEA, local.wavenumbers, local.current)
+    swell = Components(*(np.array([v]) for v in (*np.multiply(case.given["at"], local.grid.bin_widths), 60.0, 0.3)))
+    cube = Cube(cubes.together(local.components, swell), local.grid, local.wavenumbers, local.current)
     return each_method(subject, lambda method: in_the_mean(subject, cube, taper(subject), method))
 
 
@@ -63,7 +63,7 @@ def check_flicker(subject: Subject, case: Case) -> Outcome:
     waves, strength = local.components, case.given.get("strength", 100.0)
     texture = Components(waves.kx, waves.ky, np.full(n.size, 38.5 * SEA.frequency_resolution),
                          np.full(n.size, strength), waves.phase)
-    cube = Cube(cubes.together(waves, texture), SEA, local.wavenumbers, local.current)
+    cube = Cube(cubes.together(waves, texture), local.grid, local.wavenumbers, local.current)
     return in_the_mean(subject, cube, taper(subject), "nsp")
 
 

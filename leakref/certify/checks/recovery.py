@@ -31,8 +31,8 @@ PAIRS = [Case(f"{grid}-{n}", {"grid": grid, "bins": bins, "near": near}, quick=q
 def check_pair(subject: Subject, case: Case) -> Outcome:
     """Two waves on bins of an untapered cube fix a uniform current exactly: lengths of (n - 1) d instead of n d, the
     gravity or the root of the dispersion relation, a wrong bin or a wrong branch all show."""
-    cube = cubes.pair(GRIDS[case.given["grid"]], *case.given["bins"], case.given["near"])
-    window = bare(subject)
+    first, second = case.given["bins"]
+    cube, window = cubes.pair(GRIDS[case.given["grid"]], first, second, case.given["near"]), bare(subject)
 
     def judge(method: str) -> Outcome:
         found, there = ask(subject, cube, window, method)
@@ -50,7 +50,7 @@ def check_single(subject: Subject, case: Case) -> Outcome:
     """One wave fixes the component of the current along it and no more: what is returned along it must be right."""
     if "nsp" not in subject.declaration.methods or subject.declaration.band:
         raise Unanswered(Verdict.UNSUPPORTED, "offers no NSP; other methods may decline where one wave is all there is")
-    window, grid, (i, j) = bare(subject), GRIDS[case.given["grid"]], case.given["bin"]
+    window, grid, (i, j) = bare(subject), cubes.sampling(GRIDS[case.given["grid"]]), case.given["bin"]
     k = np.array([i, j]) * grid.bin_widths[:2]
     size = float(np.hypot(*k))
     m = round(np.sqrt(size) / grid.frequency_resolution) + case.given["shift"]
@@ -70,7 +70,7 @@ def check_two_shells(subject: Subject, case: Case) -> Outcome:
     grid, window = GRIDS[case.given["grid"]], bare(subject)
     low = cubes.pair(grid, (4, 1), (-2, 4), (0.2, -0.1))
     high = cubes.pair(grid, (9, -4), (5, 8), (-0.15, 0.1))
-    both = cubes.Cube(cubes.together(low.components, high.components), grid,
+    both = cubes.Cube(cubes.together(low.components, high.components), low.grid,
                       np.concatenate([low.wavenumbers, high.wavenumbers]), UniformCurrent())
     should = np.concatenate([low.truth, high.truth])
 
