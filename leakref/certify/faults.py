@@ -441,7 +441,7 @@ _WITNESSES = {
         "narrow-shell wide-shell finer-bin real-part smoothed ls-threshold-on-magnitude "
         "ls-weighted method-ignored",
     "conformance.sea[strong-hann-nsp]": "unweighted-half wide-width",
-    "currents.aligned[crossing]": "missing-negative-branch narrow-bounds",
+    "currents.aligned[following]": "missing-negative-branch narrow-bounds",
     "currents.backwards[oblique]": "printed-branch",
     "conformance.extract[nsp-untapered]": "hard-coded-width",
     "recovery.single[even]": "far-start",

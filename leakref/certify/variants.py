@@ -134,8 +134,9 @@ class _Declining(Reference):
         from leakref.chain import extract
 
         found = extract(surface, spacing, wavenumbers, gravity=gravity, window=window, method=method)
-        bad = np.array([bool(note & (Note.ANOTHER_BASIN | Note.LEAKAGE_FLOOR | Note.UNCONVERGED | Note.NO_SIGNAL))
+        bad = np.array([bool(note & (Note.ANOTHER_BASIN | Note.LEAKAGE_FLOOR | Note.UNCONVERGED))
                         for note in found.notes]) & (len(found.notes) > 1)
+        bad |= np.isnan(found.velocities).any(axis=1)
         return [None if nothing else row.tolist() for nothing, row in zip(bad, found.velocities, strict=True)]
 
 
@@ -154,17 +155,23 @@ def _gradient(score: Score, unit: float) -> FloatArray:
     return unit * fit.x
 
 
-def _lattice(score: Score, unit: float) -> FloatArray:
-    """The best point of a lattice up to 1.2 times the phase velocity, then Nelder-Mead from there."""
+def _highest(score: Score, unit: float) -> FloatArray:
+    """The best point, in phase velocities, of a lattice up to 1.2 of them."""
     line = np.linspace(-1.2, 1.2, 33)
-    best = max((float(score(unit * np.array([u, v]))), u, v) for u in line for v in line if np.hypot(u, v) <= 1.2)
-    start = unit * np.array(best[1:])
+    _, u, v = max((float(score(unit * np.array([u, v]))), u, v) for u in line for v in line if np.hypot(u, v) <= 1.2)
+    return np.array([u, v])
+
+
+def _lattice(score: Score, unit: float) -> FloatArray:
+    """Nelder-Mead from the best point of a lattice."""
+    start = unit * _highest(score, unit)
     return start + _simplex(lambda c: score(start + c), unit)
 
 
 def _powell(score: Score, unit: float) -> FloatArray:
-    """Powell's method from rest, inside a box of 1.2 times the phase velocity."""
-    fit = minimize(lambda c: -score(c * unit), np.zeros(2), method="Powell", bounds=[(-1.2, 1.2)] * 2,
+    """Powell's method from the best point of a lattice: from rest its line searches jump into other basins."""
+    start = _highest(score, unit)
+    fit = minimize(lambda c: -score(c * unit), start, method="Powell", bounds=[(x - 0.1, x + 0.1) for x in start],
                    options={"xtol": 1e-6, "ftol": 1e-14})
     return unit * fit.x
 
@@ -173,11 +180,11 @@ class _Own:
     """The normalized scalar product and least squares over the whole space, written from the paper a second time."""
 
     def __init__(self, optimiser: Callable[[Score, float], FloatArray] = _simplex, *, transform: Any = scipy.fft.fftn,
-                 half: bool = False, real: type[np.floating[Any]] = np.float64, taper: str = "hann") -> None:
-        self.optimiser, self.transform, self.half, self.real, self.taper = optimiser, transform, half, real, taper
+                 half: bool = False, real: type[np.floating[Any]] = np.float64, tapers: bool = True) -> None:
+        self.optimiser, self.transform, self.half, self.real, self.tapers = optimiser, transform, half, real, tapers
 
     def describe(self) -> Mapping[str, object]:
-        windows = ["box", self.taper] if self.taper else []
+        windows = ["box", "hann"] if self.tapers else []
         return {"can": {"extract": {"methods": ["nsp", "ls"], "windows": windows}}}
 
     def extract(self, surface: FloatArray, spacing: Sequence[float], wavenumbers: Sequence[float], *,
@@ -194,10 +201,9 @@ class _Own:
 
     def _space(self, eta: FloatArray, spacing: Sequence[float], window: str) -> Bins:
         """A forward transform along all axes puts a wave at (k, -omega): so omega is minus its frequency."""
-        if window == self.taper:
-            mean = {"hann": 0.5, "hamming": 0.54}[window]
+        if window == "hann" and self.tapers:
             for axis, n in enumerate(eta.shape):
-                taper = (mean - (1 - mean) * np.cos(2 * np.pi * np.arange(n) / n)).astype(self.real)
+                taper = np.sin(np.pi * np.arange(n) / n).astype(self.real) ** 2
                 eta = eta * taper.reshape([-1 if a == axis else 1 for a in range(3)])
         kx, ky, omega = (2 * np.pi * np.fft.fftfreq(n, d) for n, d in zip(eta.shape, spacing, strict=True))
         f = np.abs(self.transform(eta / np.abs(eta).max()))
@@ -329,12 +335,11 @@ VARIANTS = {variant.id: variant for variant in (
     Variant("fminsearch", "sound", "stops Nelder-Mead at MATLAB's default tolerances",
             lambda: _Own(lambda s, unit: _simplex(s, unit, 1e-4))),
     Variant("bfgs", "sound", "maximises by BFGS with differences", lambda: _Own(_gradient)),
-    Variant("powell", "sound", "maximises by Powell's method", lambda: _Own(_powell)),
+    Variant("powell", "sound", "maximises by Powell's method, from the best point of a lattice", lambda: _Own(_powell)),
     Variant("lattice-search", "sound", "looks for the highest maximum on a lattice", lambda: _Own(_lattice)),
     Variant("ls-by-simplex", "sound", "does its least squares by a simplex search", _BySimplex),
     Variant("loops", "conformant", "sums bin by bin in plain loops", _ByLoops),
-    Variant("no-taper", "sound", "tapers nothing, and says so", lambda: _Own(taper="")),
-    Variant("hamming", "sound", "tapers with the Hamming window, and says so", lambda: _Own(taper="hamming")),
+    Variant("no-taper", "sound", "tapers nothing, and says so", lambda: _Own(tapers=False)),
     Variant("band", "sound", "fits one current to the whole band", _Band),
 )}  # fmt: skip
 """Every variant by id."""
