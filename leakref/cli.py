@@ -153,6 +153,17 @@ def explain(
     return run(identifier, json=json)
 
 
+@command(JUDGE)
+def guide(
+    topic: Annotated[str | None, typer.Argument(metavar="[TOPIC]", help="None prints which there are.")] = None,
+    json: Json = False,
+) -> bool:
+    """Short guides: a certificate read, a code of yours plugged in, pytest and CI, bias over versions."""
+    from leakref.guides import run
+
+    return run(topic, json=json)
+
+
 @command(DATA)
 def extract(
     file: Annotated[Path, typer.Argument(help="A cube: npz, mat (v5 to v7), NetCDF, or npy with --spacing.")],
@@ -193,6 +204,36 @@ def export(
                json=json)
 
 
+@command(DATA)
+def plan(
+    field_of_view: Annotated[str, typer.Option(help="Side of the area, 128m, or both: '128m x 96m'.")],
+    duration: Annotated[str, typer.Option(help="Of the video, 30s.")],
+    peak_wavelength: Annotated[str, typer.Option(help="Of the waves, 15m.")],
+    direction: Annotated[str, typer.Option(help="Where the waves go, anticlockwise from x; along an axis is kindest."
+                                           )] = "90deg",
+    spread: Annotated[str, typer.Option(help="Full width of the cosine-square spreading.")] = "60deg",
+    gamma: Annotated[str, typer.Option(help="JONSWAP peakedness.")] = "3.3",
+    current: Annotated[str, typer.Option(help="The true current, 0.3m/s.")] = "0m/s",
+    current_direction: Annotated[str | None, typer.Option(help="Where it goes; default: with the waves.")] = None,
+    pixel: Annotated[str | None, typer.Option(help="Default: 1/28 of the peak's wavelength.")] = None,
+    frame_rate: Annotated[str | None, typer.Option(help="2Hz; default: 14 images in a period of the peak.")] = None,
+    sweep: Annotated[str | None, typer.Option(help="Also over any one of these: spread=15deg:90deg:6, first, last and "
+                                                   "how many.")] = None,
+    realizations: Annotated[int | None, typer.Option(min=2, help="Simulated flights; default: 8 to 30.")] = None,
+    out: Annotated[Path, typer.Option(help="Folder for the tables, the data and the pictures.")] = Path("leakref-plan"),
+    workers: Workers = 0,
+    json: Json = False,
+) -> bool:
+    """What a campaign will measure: expected errors at each wavelength, in m/s, and what would improve them."""
+    from leakref.plancommand import run
+
+    given = {"field-of-view": field_of_view, "duration": duration, "peak-wavelength": peak_wavelength,
+             "direction": direction, "spread": spread, "gamma": gamma, "current": current,
+             "current-direction": current_direction, "pixel": pixel, "frame-rate": frame_rate}
+    return run(given, sweep=sweep, realizations=realizations, out=out, workers=workers, cores=os.cpu_count() or 1,
+               json=json)
+
+
 @command(PAPER)
 def demo(
     out: Annotated[Path, typer.Option(help="Folder for the picture and the table.")] = Path("leakref-demo"),
@@ -206,10 +247,12 @@ def demo(
 
 @command(PAPER)
 def reproduce(
-    case: Annotated[list[str] | None, typer.Argument(help="Cases or single configurations, as in --list.")] = None,
+    case: Annotated[list[str] | None, typer.Argument(help="Cases or single configurations, as in --list; or shear: "
+                                                             "currents that vary with depth.")] = None,
     everything: Annotated[bool, typer.Option("--all", help="Every case of the paper.")] = False,
     realizations: Annotated[int, typer.Option(min=1, help="How many of each configuration.")] = 100,
-    figures: Annotated[bool, typer.Option("--figures", help="Draw them as well.")] = False,
+    figures: Annotated[bool, typer.Option("--figures", help="Draw them as well; without a case every figure of the "
+                                                              "paper, results from golden/ (seconds).")] = False,
     out: Annotated[Path, typer.Option(help="Folder for tables, data and figures.")] = Path("leakref-results"),
     route: Annotated[str, typer.Option(help="A: surface and FFT, B: closed form.")] = "B",
     workers: Annotated[int, typer.Option(min=0, help="Processes; 0: one for each core.")] = 0,
@@ -225,13 +268,18 @@ def reproduce(
         ids = [c.id for members in CASES.values() for c in members]
         typer.echo(_output.dump(_output.envelope("reproduce", True, ids=ids)) if json else "\n".join(ids))
         return True
+    if figures and not everything and not case:
+        from leakref.paperfigures import run as run_figures
+
+        return run_figures(out, json=json)
     if everything == bool(case):
         raise LeakrefError("reproduce", "both --all and cases were given" if case else "no case was named",
                            f"name some of {', '.join(CASES)}, or pass --all")
     from leakref.reproduce import run
 
     return run(list(CASES) if everything else case or [], realizations=realizations, figures=figures, out=out,
-               route=route.upper(), json=json, workers=workers or os.cpu_count() or 1, scheduler=scheduler)
+               route=route.upper(), json=json, workers=workers or os.cpu_count() or 1, scheduler=scheduler,
+               everything=everything)
 
 
 @command(PAPER)
@@ -320,6 +368,95 @@ def bench(
     from leakref.bench import run
 
     return run(out, json=json)
+
+
+track_app = typer.Typer(no_args_is_help=True, context_settings={"help_option_names": ["-h", "--help"]})
+app.add_typer(track_app, name="track", rich_help_panel=UPKEEP, help="Bias over versions: recorded, compared, drawn.")
+HistoryFile = Annotated[Path, typer.Option("--history", help="JSON lines, one an entry; made if it is not there.")]
+HISTORY = Path("leakref-history.jsonl")
+
+
+@command(None, "record", track_app)
+def track_record(
+    target: Annotated[str | None, typer.Argument(help="reference, package.module:object, fault:ID or variant:ID.")
+                      ] = None,
+    program: Annotated[str | None, typer.Option("--command", help="A program in any language, with its arguments."
+                                                )] = None,
+    label: Annotated[str | None, typer.Option(help="What this version is called; default: as the target says.")] = None,
+    path: HistoryFile = HISTORY,
+    case: Annotated[list[str] | None, typer.Option(help="A configuration (`leakref reproduce --list`), or one of the "
+                                                        "coarser seas broad, directional, peaked, following, narrow, "
+                                                        "crossing, small; may be repeated. Default: nsp-ls and one of "
+                                                        "U for the reference, else broad and following.")] = None,
+    realizations: Annotated[int, typer.Option(min=2, help="How many of each case.")] = 100,
+    first: Annotated[int, typer.Option(min=0, help="The first of them.")] = 0,
+    source: Annotated[list[Path] | None, typer.Option(help="A file or folder that also belongs to the source of what "
+                                                           "is measured; may be repeated.")] = None,
+    timings: Annotated[Path | None, typer.Option(help="JSON of pytest-benchmark, to be recorded with it.")] = None,
+    yardstick: Annotated[str | None, typer.Option(help="The benchmark in it that the others are divided by.")] = None,
+    timeout: Annotated[float, typer.Option(min=0.1, help="Seconds a run may take.")] = 120.0,
+    memory: Annotated[float, typer.Option(min=0.01, help="GiB that the program may hold.")] = 8.0,
+    workers: Annotated[int, typer.Option(min=0, help="Processes, for the reference; 0: one for each core.")] = 0,
+    json: Json = False,
+) -> int:
+    """Measure a version and append it to the history."""
+    from leakref.track.commands import Request, run_record
+
+    return run_record(Request(target, program, path, label, case or [], realizations, first, source or [], timings,
+                              yardstick, timeout, memory, workers or os.cpu_count() or 1), json=json)
+
+
+@command(None, "compare", track_app)
+def track_compare(
+    first: Annotated[str, typer.Argument(metavar="A", help="last, previous, a label (the last of that name) or the "
+                                                           "beginning of a digest.")],
+    second: Annotated[str, typer.Argument(metavar="B", help="Likewise: better or worse than A?")],
+    path: HistoryFile = HISTORY,
+    margin: Annotated[float, typer.Option(min=0.0, help="A change within this share of the smaller velocity resolution "
+                                                        "is none.")] = 0.01,
+    json: Json = False,
+) -> int:
+    """Has the bias risen? Exit status 1 if it has, beyond the margin; 3 if nothing could be compared."""
+    from leakref.track.commands import run_compare
+
+    return run_compare(first, second, path, margin=margin, json=json)
+
+
+@command(None, "plot", track_app)
+def track_plot(
+    path: HistoryFile = HISTORY,
+    case: Annotated[list[str] | None, typer.Option(help="Only this case; may be repeated.")] = None,
+    target: Annotated[str | None, typer.Option(help="Whose versions; default: of the last entry's target.")] = None,
+    out: Annotated[Path, typer.Option(help="Folder for the page and the pictures.")] = Path("leakref-track"),
+    json: Json = False,
+) -> int:
+    """Bias against version, with its steps, and against wavenumber: a page and pictures."""
+    from leakref.track.commands import run_plot
+
+    return run_plot(path, cases=case or [], target=target, out=out, json=json)
+
+
+@command(None, "null", track_app)
+def track_null(
+    out: Annotated[Path | None, typer.Option(help="File for the JSON; the committed one is golden/tracking.json.")
+                   ] = None,
+    place: Annotated[Path, typer.Option("--folder", help="Where realisations are kept, as by reproduce --out.")
+                     ] = Path("leakref-results"),
+    workers: Workers = 0,
+    json: Json = False,
+) -> bool:
+    """How often compare cries wolf, and what it sees: 2,150 comparisons without a change (half an hour; resumed)."""
+    from leakref.track.falsealarms import run
+
+    return run(out, place=place, workers=workers or os.cpu_count() or 1, json=json)
+
+
+@command(None, "check", track_app)
+def track_check(path: HistoryFile = HISTORY, json: Json = False) -> bool:
+    """Is the history as it was written? Nothing edited, cut off, repeated or missing."""
+    from leakref.track.commands import run_check
+
+    return run_check(path, json=json)
 
 
 def main() -> None:

@@ -15,7 +15,7 @@ import leakref
 
 HOUSE = Path(leakref.__file__).parent
 MODULES = sorted(path.stem for path in HOUSE.glob("*.py") if path.stem != "__init__")
-HEAVY = ("numpy", "scipy", "matplotlib", "numba")
+HEAVY = ("numpy", "scipy", "matplotlib", "numba", "pint")
 # the table of the design, row by row; a row may use its own rooms and `_base`
 ROOMS = {"_base": set(), "grid": set(), "dispersion": set(), "sea": {"grid", "dispersion"},
          "synthesis": {"sea", "grid", "dispersion"}, "window": {"grid"}, "spectrum": {"grid", "window"},

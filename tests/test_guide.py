@@ -14,7 +14,8 @@ from tools import requires
 from leakref import LeakrefError, guides
 
 FOLDER = Path(guides.__file__).parent / "guide"
-BLOCK = re.compile(r"(?:<!-- (?P<note>[^\n]*) -->\n)?```(?P<language>\w+)\n(?P<text>.*?)^```$", re.DOTALL | re.MULTILINE)
+BLOCK = re.compile(r"(?:<!-- (?P<note>[^\n]*) -->\n)?```(?P<language>\w+)\n(?P<text>.*?)^```$",
+                   re.DOTALL | re.MULTILINE)
 NEEDS = {"octave": ("octave-cli", "octave"), "cpp": ("g++",)}
 
 
@@ -31,8 +32,9 @@ def typed(line, folder):
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     done = subprocess.run(["bash", "-c", line], cwd=folder, capture_output=True, text=True,
                           env={**os.environ, "PATH": path, "OMP_NUM_THREADS": "1"})
-    assert done.returncode == (int(expected[1]) if expected else 0), f"{line}\n{done.stdout[-2000:]}{done.stderr[-2000:]}"
-    return done.stdout + done.stderr
+    printed = done.stdout + done.stderr
+    assert done.returncode == (int(expected[1]) if expected else 0), f"{line}\n{printed[-3000:]}"
+    return printed
 
 
 def followed(topic, folder):

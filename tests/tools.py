@@ -6,18 +6,38 @@ import os
 import shutil
 import subprocess
 import sys
+from typing import NoReturn
 
 import pytest
 
 
+REQUIRABLE = {"octave", "chromium", "iwave", "g++", "make"}
+"""What LEAKREF_REQUIRE may name, with commas between: where it is absent its tests fail instead of skipping."""
+
+
+def lacking(name: str, reason: str) -> NoReturn:
+    """Skip the test for `reason`, or fail it if LEAKREF_REQUIRE names what is lacking."""
+    required = {word.strip() for word in os.environ.get("LEAKREF_REQUIRE", "").split(",")} - {""}
+    if unknown := required - REQUIRABLE:
+        raise pytest.UsageError(f"LEAKREF_REQUIRE names {sorted(unknown)}, should be some of {sorted(REQUIRABLE)}")
+    if name in required:
+        pytest.fail(f"{reason}, and it is required (LEAKREF_REQUIRE)")
+    pytest.skip(reason)
+
+
 def requires(tool: str, name: str | None = None) -> str:
-    """The path of a program, or a skip; a failure if LEAKREF_REQUIRE holds `name` (default: the program's)."""
-    found = shutil.which(tool)
-    if found is None and (name or tool) in os.environ.get("LEAKREF_REQUIRE", ""):
-        pytest.fail(f"{tool} is required (LEAKREF_REQUIRE) and not installed")
-    if found is None:
-        pytest.skip(f"{tool} is not installed")
-    return found
+    """The path of a program, or `lacking` under `name` (default: the program's)."""
+    return shutil.which(tool) or lacking(name or tool, f"{tool} is not installed")
+
+
+def iwave_python() -> str:
+    """The Python of an environment that has iwave, which LEAKREF_IWAVE_PYTHON names, or `lacking`."""
+    path = shutil.which(os.environ.get("LEAKREF_IWAVE_PYTHON", ""))
+    if path is None:
+        lacking("iwave", "LEAKREF_IWAVE_PYTHON does not name the Python of an environment with iwave")
+    look = "import sys; from importlib.util import find_spec; sys.exit(not find_spec('iwave'))"
+    there = subprocess.run([path, "-c", look], check=False).returncode == 0
+    return path if there else lacking("iwave", f"{path} has no iwave")
 
 
 def peak_memory(code: str) -> int:

@@ -47,7 +47,8 @@ def page(certificate: Certificate, pictures: Sequence[Mapping[str, str]] = ()) -
     return _PAGES.get_template("certificate.html").render(
         certificate=certificate, said=certificate.declaration, grade=grade, version=__version__, pictures=pictures,
         grade_class=certificate.grade or "unjudged", sentence=sentence(certificate), families=FAMILIES, findings=rows,
-        verdicts=[str(v) for v in Verdict], declared=list(_declared(certificate.declaration)))
+        verdicts=[str(v) for v in Verdict if str(v) in certificate.counts],
+        declared=list(_declared(certificate.declaration)))
 
 
 def badge(certificate: Certificate) -> str:
@@ -61,30 +62,30 @@ def _declared(said: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         yield name, str(said[name])
     yield "fixed", ", ".join(said["fixed"]) or "nothing"
     for stage, what in said["can"].items():
-        told = "; ".join(f"{name} {', '.join(map(str, v)) if isinstance(v, list | tuple) else v}"
+        told = "; ".join(f"{name} {', '.join(map(str, v)) or 'none' if isinstance(v, list | tuple) else v}"
                          for name, v in what.items())
         yield stage, told or "offered"
 
 
 def _row(finding: Finding, check: Check | None, is_open: bool) -> dict[str, Any]:
+    drawings = list(_drawings(finding.figures, finding.over or 0.0))
     return {"finding": finding, "reason": check.reason if check else "", "open": is_open,
-            "tolerance": check.tolerance if check else "", "drawings": list(_drawings(finding.figures))}
+            "tolerance": check.tolerance if check else "", "drawings": drawings}
 
 
-def _drawings(figures: Mapping[str, Any], title: str = "velocities") -> Iterator[dict[str, Any]]:
-    """Arrows of every part of the figures that has velocities (n, 2) and what they should be."""
+def _drawings(figures: Mapping[str, Any], over: float, title: str = "velocities") -> Iterator[dict[str, Any]]:
+    """Arrows of every part of the figures that has velocities (n, 2) and what they should be; `over` of the finding."""
     if {"wavenumbers", "velocities", "should_be"} <= set(figures):
         labels = [f"k = {k:.3g}" for k in figures["wavenumbers"]]
         yield _arrows(title, labels, figures["velocities"], figures["should_be"],
-                      figures.get("over", np.zeros(len(labels))))
+                      figures.get("over", np.full(len(labels), over)))
         return
     if {"velocity", "should_be"} <= set(figures):
-        yield _arrows(title, ["mean"], [figures["velocity"]], [figures["should_be"]],
-                      [2.0 * bool(figures.get("image"))])
+        yield _arrows(title, ["mean"], [figures["velocity"]], [figures["should_be"]], [over])
         return
     for name, part in figures.items():
         if isinstance(part, Mapping):
-            yield from _drawings(part, str(name))
+            yield from _drawings(part, over, str(name))
 
 
 def _arrows(title: str, labels: Sequence[str], *values: npt.ArrayLike) -> dict[str, Any]:

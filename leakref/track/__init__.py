@@ -1,0 +1,1 @@
+"""Bias levels over versions: recorded, compared, drawn."""
