@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import matplotlib as mpl
 import numpy as np
@@ -15,27 +15,53 @@ from matplotlib.figure import Figure
 
 from leakref._base import FloatArray
 from leakref._output import write_whole
-from leakref.ensemble import Ensemble
+from leakref.cases import Configuration
 from leakref.screen import Screening
 from leakref.shell import Extraction
 
-__all__ = ["COLOURS", "extraction_figure", "figure", "result_figure", "save", "screening_figure"]
+__all__ = ["COLOURS", "METHOD_WORDS", "WINDOW_WORDS", "Result", "extraction_figure", "figure", "result_figure",
+           "save", "screening_figure", "styled"]
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 """Okabe and Ito."""
 _STYLE: Any = {"font.size": 9, "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True,
           "grid.alpha": 0.25, "legend.frameon": False, "legend.fontsize": 8, "axes.titlesize": 10,
           "axes.prop_cycle": cycler(color=COLOURS), "svg.hashsalt": "leakref", "figure.dpi": 150}
+styled = mpl.rc_context(_STYLE)
+"""Decorates what draws: within it every artist has the style of the house."""
 _LINES = ("-", "--", ":", "-.")
 _MARKERS = ("", "o", "^", "s")
 _WORDS = {"direction": r"$\theta_0$ = {:g}°", "spread": r"$\Delta\theta$ = {:g}°", "peakedness": r"$\gamma$ = {:g}",
           "length": "$L$ = {:g}", "duration": "$T$ = {:g}", "speed": "$U$ = {:g}",
           "current_direction": r"$\theta_U$ = {:g}°", "rotation": "rotated by {:g}°"}
-_WINDOWS = {"box": "no window", "hann": "Hann", "blackman": "Blackman", "kaiser-bessel": "Kaiser-Bessel"}
-_METHODS = {"nsp": "NSP", "ls": "LS"}
+WINDOW_WORDS = {"box": "no window", "hann": "Hann", "blackman": "Blackman", "kaiser-bessel": "Kaiser-Bessel"}
+"""Windows as a reader calls them."""
+METHOD_WORDS = {"nsp": "NSP", "ls": "LS"}
+"""Methods likewise."""
 
 
-@mpl.rc_context(_STYLE)
+class Result(Protocol):
+    """Statistics of a configuration under one window and method: an Ensemble, or what a golden set keeps of one."""
+
+    @property
+    def configuration(self) -> Configuration: ...
+    @property
+    def window(self) -> str: ...
+    @property
+    def method(self) -> str: ...
+    @property
+    def wavenumbers(self) -> FloatArray: ...
+    @property
+    def bias(self) -> FloatArray: ...
+    @property
+    def random(self) -> FloatArray: ...
+    @property
+    def mean(self) -> FloatArray: ...
+    @property
+    def resolutions(self) -> tuple[FloatArray, FloatArray]: ...
+
+
+@styled
 def figure(rows: int, columns: int, *, width: float = 8.0, height: float = 2.7, **kwargs: Any) -> tuple[Figure, Any]:
     """An empty figure in the house style with its axes, (rows, columns)."""
     drawing = Figure(figsize=(width, height * rows + 0.4), layout="constrained")
@@ -43,7 +69,7 @@ def figure(rows: int, columns: int, *, width: float = 8.0, height: float = 2.7, 
     return drawing, drawing.subplots(rows, columns, squeeze=False, **kwargs)
 
 
-@mpl.rc_context(_STYLE)
+@styled
 def save(drawing: Figure, path: Path) -> list[Path]:
     """Write `path` as PNG and as SVG, each whole or not at all; the same figure gives the same bytes."""
     kinds: dict[str, dict[str, Any]] = {".png": {"Software": None}, ".svg": {"Date": None}}
@@ -51,35 +77,37 @@ def save(drawing: Figure, path: Path) -> list[Path]:
             for kind, metadata in kinds.items()]
 
 
-@mpl.rc_context(_STYLE)
-def result_figure(ensembles: Sequence[Ensemble], title: str, *, logarithmic: bool = False) -> Figure:
-    """The form of fig:spec_ex: a column for each window; mean of |c| above, twice its standard deviation below.
+@styled
+def result_figure(ensembles: Sequence[Result], title: str, *, logarithmic: bool = False) -> Figure:
+    """The form of fig:spec_ex: a column for each of two windows; mean of |c| above, twice its standard deviation below.
 
     Solid and dashed grey: the velocity resolutions from frequency and from wavenumber. With a current a third row gives
     the direction of the mean velocity (fig:ConstCurr), and dashed lines the true speeds. Colour, line and marker follow
     the first, second and third parameter that differs.
     """
     windows = list(dict.fromkeys(e.window for e in ensembles))
+    beside = windows if len(windows) <= 2 else [""]  # more are compared in one column (fig:DSV_win_comp_results)
     methods = list(dict.fromkeys(e.method for e in ensembles))
     varied = dict.fromkeys(name for e in ensembles for name in e.configuration.varied)
     differing = [name for name in varied if len({getattr(e.configuration, name) for e in ensembles}) > 1]
     with_current = any(e.configuration.speed for e in ensembles)
-    drawing, axes = figure(3 if with_current else 2, len(windows), width=max(8.0, 3.2 * len(windows)), sharex=True,
+    drawing, axes = figure(3 if with_current else 2, len(beside), width=8.0 if len(beside) > 1 else 6.0, sharex=True,
                            sharey="row")
-    keys = [("method", methods)] * (len(methods) > 1) + [
+    keys = [("window", windows)] * (len(beside) == 1 < len(windows)) + [("method", methods)] * (len(methods) > 1) + [
         (name, sorted({getattr(e.configuration, name) for e in ensembles})) for name in differing]
     looks: list[tuple[str, Sequence[Any]]] = [("color", COLOURS), ("linestyle", _LINES), ("marker", _MARKERS)]
     if len(keys) > 3:
         looks = [*looks, ("alpha", (1.0, 0.6, 0.4))]
     for e in ensembles:
-        column = windows.index(e.window)
-        own = {"method": e.method, **{name: getattr(e.configuration, name) for name in differing}}
+        column = beside.index(e.window) if e.window in beside else 0
+        own = {"window": e.window, "method": e.method, **{name: getattr(e.configuration, name) for name in differing}}
         look = {what: choices[values.index(own[key]) % len(choices)]
                 for (key, values), (what, choices) in zip(keys, looks, strict=False)}
         look = {"color": COLOURS[0], "lw": 1.3, "ms": 3, "markevery": 3, **look}
         k = e.wavenumbers
-        words = [_METHODS[own[key]] if key == "method" else _WORDS[key].format(own[key]) for key, _ in keys]
-        label = ", ".join(words) or _METHODS[e.method]
+        words = [(WINDOW_WORDS | METHOD_WORDS).get(own[key]) or _WORDS[key].format(own[key]) for key, _ in keys
+                 if key != "current_direction" or e.configuration.speed]
+        label = ", ".join(words) or METHOD_WORDS[e.method]
         axes[0, column].plot(k, e.bias, label=label, **look)
         axes[1, column].plot(k, 2 * e.random, **look)
         if with_current:
@@ -90,8 +118,8 @@ def result_figure(ensembles: Sequence[Ensemble], title: str, *, logarithmic: boo
             for resolution, line, what in zip(e.resolutions, ("-", "--"), (r"\omega", "k"), strict=True):
                 ax.plot(e.wavenumbers, resolution, color="0.6", ls=line, lw=1, zorder=0,
                         label=rf"resolution $\delta c_{{\delta {what}}}$" if number == 0 else None)
-    for column, name in enumerate(windows):
-        axes[0, column].set_title(_WINDOWS.get(name, name))
+    for column, name in enumerate(beside):
+        axes[0, column].set_title(WINDOW_WORDS.get(name, name))
         axes[-1, column].set_xlabel("$k$ / $k_0$")
     for row, what in enumerate((r"mean of $|\tilde{c}|$ / $c_0$", r"2 $\sigma$ of $|\tilde{c}|$ / $c_0$")):
         axes[row, 0].set_ylabel(what)
@@ -113,7 +141,7 @@ def result_figure(ensembles: Sequence[Ensemble], title: str, *, logarithmic: boo
     return drawing
 
 
-@mpl.rc_context(_STYLE)
+@styled
 def extraction_figure(found: Extraction, flags: Sequence[Sequence[str]], resolutions: Sequence[FloatArray],
                       units: tuple[str, str], title: str, current: FloatArray | None = None) -> Figure:
     """Both components of the measured velocity in bands of both resolutions; flagged ones hollow, flags named.
@@ -143,7 +171,7 @@ def extraction_figure(found: Extraction, flags: Sequence[Sequence[str]], resolut
     return drawing
 
 
-@mpl.rc_context(_STYLE)
+@styled
 def screening_figure(result: Screening, resolutions: Sequence[FloatArray], units: tuple[str, str],
                      title: str) -> Figure:
     """Left: both components untapered and tapered. Right: how far apart they are, the resolutions, the verdicts.

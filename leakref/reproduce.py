@@ -8,25 +8,34 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
 from leakref import runs
 from leakref._output import console, dump, envelope, folder, progress_bar, write_whole
-from leakref.cases import configurations
+from leakref.cases import Configuration, configurations
 from leakref.ensemble import Ensemble
+from leakref.shear import DIRECTIONS, Inferred, Sheared, answer, inferred, sheared
 from leakref.shell import Note
 
 __all__ = ["run", "table"]
 
 
+def _named(ids: Sequence[str]) -> list[Configuration]:
+    """Configurations of the paper and of case shear, in order and once. Raises LeakrefError for an unknown id."""
+    found = [c for name in ids for c in (sheared(name) or configurations([name]))]
+    return list({c.id: c for c in found}.values())
+
+
 def run(ids: Sequence[str], *, realizations: int, figures: bool, out: Path, route: str, json: bool, workers: int = 1,
-        scheduler: str = "") -> bool:
+        scheduler: str = "", everything: bool = False) -> bool:
     """Run the configurations named by `ids`, write everything to `out`, print the tables; returns True.
 
-    Realisations already in `out`, of the same source and settings, are not computed again.
+    Realisations already in `out`, of the same source and settings, are not computed again. With `everything`, `figures`
+    are those of the paper that show no results as well.
     """
-    chosen = configurations(ids)
+    chosen = _named(ids)
     folder(out)
     done: list[Ensemble] = []
     where = runs.connected(scheduler) if scheduler else runs.pool(workers)
@@ -35,14 +44,21 @@ def run(ids: Sequence[str], *, realizations: int, figures: bool, out: Path, rout
                               after_each=step):
             done += found
             _write(out, found[0].configuration.id, found)
-    result = envelope("reproduce", True, cases=[e.record() for e in done], route=route)
+    shears = [row for e in done if isinstance(e.configuration, Sheared) for row in inferred(e)]
+    result = envelope("reproduce", True, cases=[_record(e) for e in done], route=route)
+    if shears:
+        result |= {"shear": [row.record() for row in shears], "answer": answer(shears)}
     write_whole(out / "reproduce.json", lambda path: path.write_text(dump(result) + "\n", encoding="utf-8"))
-    drawn = _draw(out, done) if figures else []
+    drawn = _draw(out, done, realizations, everything) if figures else []
     if json:
         print(dump(result))
     else:
         for configuration in chosen:
-            Console().print(table([e for e in done if e.configuration is configuration]))
+            if not isinstance(configuration, Sheared):
+                Console().print(table([e for e in done if e.configuration is configuration]))
+        if shears:
+            Console().print(_shear_table(shears, realizations))
+            Console().print(answer(shears), soft_wrap=True, highlight=False)
     console().print(f"[dim]{len(done)} tables (CSV), reproduce.json and {len(drawn)} figures in {out}[/dim]")
     return True
 
@@ -73,20 +89,46 @@ def _write(out: Path, name: str, ensembles: Sequence[Ensemble]) -> None:
                 lambda path: np.savez(path, **arrays))
 
 
-def _draw(out: Path, ensembles: Sequence[Ensemble]) -> list[Path]:
-    from leakref.figures import result_figure, save
+def _record(e: Ensemble) -> dict[str, Any]:
+    """With the profile and its truth, if the current is sheared: `current` is then that at the surface."""
+    c = e.configuration
+    return e.record() | ({"profile": c.profile, "truth": c.truth} if isinstance(c, Sheared) else {})
 
-    groups: dict[str, list[Ensemble]] = {}
-    for e in ensembles:
-        if e.method == "nsp" or e.configuration.case == "nsp-ls":
-            rotated = f"_rotated{e.configuration.rotation:g}" if e.configuration.rotation else ""
-            groups.setdefault(e.configuration.case + rotated, []).append(e)
-    drawn = []
-    for name, members in groups.items():
-        count, still = len(members[0].velocities), not any(e.configuration.speed for e in members)
-        title = f"case {name.replace('_', ', ')}, {count} realisation{'s' * (count > 1)}"
-        drawn += save(result_figure(members, title, logarithmic=still and count > 1), out / f"figure_{name}")
-    return drawn
+
+def _draw(out: Path, ensembles: Sequence[Ensemble], realizations: int, everything: bool) -> list[Path]:
+    from leakref.figures import save
+    from leakref.paperfigures import draw_illustrations, draw_results
+
+    drawn = draw_results(out, [e for e in ensembles if not isinstance(e.configuration, Sheared)], realizations)
+    if everything:
+        drawn += draw_illustrations(out)
+    of_shear = [e for e in ensembles if isinstance(e.configuration, Sheared)]
+    paths = [path for one in drawn for path in one["files"]]
+    if of_shear:
+        from leakref.shearfigure import shear_figure
+
+        words = f"sheared currents by NSP, {realizations} realisation{'s' * (realizations > 1)}"
+        paths += save(shear_figure(of_shear, words), out / "figure_shear")
+    return paths
+
+
+def _shear_table(rows: Sequence[Inferred], realizations: int) -> Table:
+    """The shear inferred along the current by profile, direction, band, method and window, beside the true one."""
+    result = Table(title="Shear inferred along the current, in c0 k0: mean ± standard deviation",
+                   caption=f"{realizations} realisations; slope of velocities over effective depths -1 / 2k",
+                   caption_justify="left", title_justify="left", box=SIMPLE_HEAD)
+    for heading in ("profile", "current", "band", "method"):
+        result.add_column(heading)
+    for heading in ("true", "untapered", "Hann"):
+        result.add_column(heading, justify="right")
+    by_window: dict[tuple[Any, ...], dict[str, Inferred]] = {}
+    for row in rows:
+        key = (row.profile, DIRECTIONS[row.direction], "all" if row.band == "all" else "k >= 1", row.method)
+        by_window.setdefault(key, {})[row.window] = row
+    for key, found in by_window.items():
+        cells = [f"{found[name].mean:+.4f} ± {found[name].random:.4f}" for name in ("box", "hann")]
+        result.add_row(*key, f"{found['box'].true:.4f}", *cells)
+    return result
 
 
 def table(ensembles: Sequence[Ensemble]) -> Table:

@@ -23,7 +23,7 @@ ROOMS = {"_base": set(), "grid": set(), "dispersion": set(), "sea": {"grid", "di
          "nsp": {"spectrum", "dispersion", "shell"}, "leastsquares": {"spectrum", "dispersion", "shell"}}
 ROOMS["chain"] = {room for room in ROOMS if room != "_base"}
 ABOVE = {"cases", "ensemble", "claims", "fast", "fastscore", "fastspectra"}  # all of the above, and each other
-ROOMS |= {room: {*ROOMS, *ABOVE} for room in ABOVE if room in MODULES}
+ROOMS |= {room: {*ROOMS, *ABOVE} for room in sorted(ABOVE) if room in MODULES}
 
 
 def imported(module: str) -> set[str]:

@@ -1,6 +1,7 @@
 """The study of the suite's strength, itself studied: it must see what survives, what is rejected, what is stale."""
 
 import json
+from importlib import resources
 
 import numpy as np
 import pytest
@@ -172,6 +173,21 @@ def test_a_statistic_that_alarms_too_often_is_seen():
     assert said == ["false alarms are at 3.0e-03, above 0.001"]
     interval = binomtest(300, 100_000).proportion_ci(method="exact")
     assert strength._rate(300, 100_000)["interval"] == [interval.low, interval.high]
+
+
+def test_the_committed_result_is_of_this_list_and_holds():
+    record = json.loads(resources.files("leakref._golden").joinpath("strength.json").read_text(encoding="utf-8"))
+    assert record["full"]
+    assert record["problems"] == []
+    assert {r["id"]: (r["family"], r["witness"]) for r in record["faults"]} == {
+        name: (fault.family, fault.witness) for name, fault in FAULTS.items()}
+    assert all(r["killed_by"].partition(".")[0] == r["family"] for r in record["faults"])
+    assert min(r["effect_over_tolerance"] for r in record["faults"]) >= strength.DISTINCT
+    assert {v["id"]: v["rejected"] for v in record["variants"]} == dict.fromkeys(VARIANTS, 0)
+    assert sum(v["runs"] for v in record["variants"]) == strength.SEEDS + len(VARIANTS)
+    alarms = record["false_alarms"]
+    assert alarms["resamplings"] >= 10_000
+    assert alarms["at_margin"]["rate"] <= alarms["nominal"]
 
 
 def test_the_command_writes_prints_and_says_so(few, tmp_path, capsys):

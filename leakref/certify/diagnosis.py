@@ -4,7 +4,8 @@ Every fault of the list is a hypothesis. The checks that an implementation faile
 the fault, and its answers are compared with those of the implementation, one by one. The fault that reproduces them
 best is the diagnosis, if it does so to `ENOUGH` digits and clearly better than the reference without any fault. A code
 of another algorithm has no digits in common with any of them; then `_in_common` looks for a sign, an exchange of axes,
-a lost component or a factor between its velocities and those of the reference. What neither finds is unexplained.
+a lost component, a turn or a factor between its velocities and those of the reference. What neither finds is
+unexplained.
 """
 
 from __future__ import annotations
@@ -41,6 +42,7 @@ _EVIDENCE = 8  # failed checks that are run again
 _WRONG = (Verdict.FAIL, Verdict.ERROR, Verdict.TIMEOUT)
 _STAGES = ("window", "synthesize", "spectrum", "extract")
 _FLOOR = 0.02  # in c0: slower velocities of the reference say nothing of a sign
+_USUAL = 0.3  # in c0: digits of slower velocities are counted from here, since optimisers stop at so much of c0
 
 Step = Callable[[], object]
 
@@ -73,8 +75,8 @@ class _Clue:
     check: Check
     case: Case
     finding: Finding
-    can: str
-    """What the implementation offers, as JSON."""
+    declared: str
+    """What the implementation offers and what it cannot be told, as JSON."""
 
     @property
     def cost(self) -> float:
@@ -98,19 +100,20 @@ def _stage(finding: Finding) -> str:
 
 def explained(certificate: Certificate, *, deep: bool = False, after_each: Step = lambda: None) -> Certificate:
     """The certificate with a diagnosis of what fell short and was not known, if anything did; see `diagnose`."""
-    said = diagnose(certificate.wrong, certificate.declaration["can"], deep=deep, after_each=after_each)
+    said = diagnose(certificate.wrong, certificate.declaration, deep=deep, after_each=after_each)
     return replace(certificate, diagnosis=[one.record() for one in said.hypotheses], explanation=said.words,
                    departs_at=departure(certificate.findings) if certificate.wrong else "")
 
 
-def diagnose(findings: Sequence[Finding], can: Mapping[str, Any] | None = None, *, deep: bool = False,
+def diagnose(findings: Sequence[Finding], declared: Mapping[str, Any], *, deep: bool = False,
              after_each: Step = lambda: None) -> Diagnosis:
     """Explain the failures among `findings`; with `deep`, pairs of faults are tried as well. Nothing failed: no words.
 
-    `can` is what the implementation offers, as it declares it: the reference with a fault is asked for no more than
-    that, so that it is asked the same. Calls `after_each` for every fault tried.
+    `declared` is what the implementation says of itself (`Declaration.record`): the reference with a fault is asked for
+    no more than that, so that it is asked the same. Calls `after_each` for every fault tried.
     """
-    clues = _clues(findings, dumps(can or {"extract": {}}, sort_keys=True, default=list))
+    asked = {name: declared[name] for name in ("can", "fixed")}
+    clues = _clues(findings, dumps(asked, sort_keys=True, default=list))
     if not clues:
         return Diagnosis((), "")
     named = {fault.id: fault.words for fault in faults.FAULTS.values()}
@@ -125,15 +128,17 @@ def diagnose(findings: Sequence[Finding], can: Mapping[str, Any] | None = None, 
         return Diagnosis(tuple(alike), _sentence(alike))
     rough = _in_common(clues)
     if rough is not None:
-        return Diagnosis((rough,), f"like the reference, but {rough.words} (another algorithm: to {rough.digits:.1f} "
-                                   "digits)")
+        digits = rough.digits or 0.0
+        same = f"equals the reference, but {rough.words}, to {digits:.0f} digits"
+        like = f"like the reference, but {rough.words} (another algorithm: to {digits:.1f} digits)"
+        return Diagnosis((rough,), same if digits >= ENOUGH else like)
     return Diagnosis((), "unexplained: no fault of the list reproduces these answers")
 
 
-def _clues(findings: Sequence[Finding], can: str) -> list[_Clue]:
+def _clues(findings: Sequence[Finding], declared: str) -> list[_Clue]:
     """What failed, from cheap to dear, each family once before any twice."""
     by_id = {f"{c.id}[{case.id}]": (c, case) for c, case in chosen()}
-    found = sorted((_Clue(*by_id[f.id], f, can) for f in findings if f.verdict in _WRONG and f.id in by_id),
+    found = sorted((_Clue(*by_id[f.id], f, declared) for f in findings if f.verdict in _WRONG and f.id in by_id),
                    key=lambda clue: clue.cost)
     rank: dict[str, int] = {}
     order = []
@@ -203,14 +208,15 @@ def _implementation(names: tuple[str, ...]) -> Any:
 
 
 @lru_cache(maxsize=4096)
-def _replayed(identifier: str, names: tuple[str, ...], can: str) -> tuple[Finding, tuple[Call, ...]]:
-    """What a check finds of the reference with faults, offering no more than `can`, and the answers it had."""
+def _replayed(identifier: str, names: tuple[str, ...], declared: str) -> tuple[Finding, tuple[Call, ...]]:
+    """What a check finds of the reference with faults, offering no more than is declared, and the answers it had."""
     (check, case), = chosen([identifier])
     subject = InProcess(_implementation(names))
-    own, theirs = subject.declaration, Declaration(can=loads(can))
+    own, theirs = subject.declaration, Declaration(**loads(declared))
     asked = {"methods": [m for m in theirs.methods if m in METHODS] or ["nsp"],
              "windows": list(theirs.windows) if theirs.tapers else []}
-    subject.declaration = replace(own, can={**own.can, "extract": {**own.can["extract"], **asked}})
+    subject.declaration = replace(own, fixed=("dy",) if "dy" in theirs.fixed else (),  # the same pixels
+                                  can={**own.can, "extract": {**own.can["extract"], **asked}})
     finding = check(subject, case)
     return replace(finding, calls=()), tuple(subject.calls)
 
@@ -218,8 +224,8 @@ def _replayed(identifier: str, names: tuple[str, ...], can: str) -> tuple[Findin
 def _agreement(clue: _Clue, names: tuple[str, ...]) -> list[float]:
     """Digits to which a hypothesis gives the answers of a clue; beyond those of float64 for what is no number."""
     theirs = clue.finding
-    finding, calls = _replayed(theirs.id, names, clue.can)
-    if finding.verdict is not theirs.verdict:
+    finding, calls = _replayed(theirs.id, names, clue.declared)
+    if names and finding.verdict is not theirs.verdict:  # the reference itself is compared by its numbers alone
         return [0.0]
     if theirs.family == "behaviour" or not theirs.calls:
         return [_FULL + 1 if _without_numbers(finding.message) == _without_numbers(theirs.message) else 0.0]
@@ -240,7 +246,7 @@ def _digits(mine: Call, other: Call) -> list[float]:
     if mine.stage == "spectrum":
         b = _fitted(a, b)
     with np.errstate(invalid="ignore", divide="ignore"):
-        scale = np.nanmax(np.abs(a), initial=0.0) or 1.0
+        scale = np.nanmax(np.abs(a), initial=_USUAL if mine.stage == "extract" else 0.0) or 1.0
         off = np.abs(a - b).reshape(len(a), -1).max(axis=1) / scale
     gone = np.isnan(a).reshape(len(a), -1).any(axis=1)
     off = np.where(gone & np.isnan(b).reshape(len(b), -1).any(axis=1), 0.0, np.where(np.isnan(off), 1.0, off))
@@ -270,6 +276,7 @@ _MAPS: dict[str, tuple[str, list[list[float]]]] = {
     "lost-x": ("without an x component", [[0, 0], [0, 1]]),
     "lost-y": ("without a y component", [[1, 0], [0, 0]])}
 _NEAR = 0.35  # part of the velocities that may be left over
+_BETTER = 0.7  # how much less a turn by any angle must leave over than the best of the maps above
 _FACTOR = 0.15  # that a factor may differ from one
 
 
@@ -278,32 +285,45 @@ def _in_common(clues: Sequence[_Clue]) -> Hypothesis | None:
     mine, true, scales = _velocities(clues)
     if len(mine) < 2 or np.linalg.matrix_rank(true, tol=0.1 * np.abs(true).max()) < 2:
         return None
-    fits = []
-    for name, (words, matrix) in _MAPS.items():
-        mapped = true @ np.array(matrix).T
-        factor = float(np.sum(mapped * mine) / np.sum(mapped**2))
-        rest = float(np.sqrt(np.sum((mine - factor * mapped) ** 2) / np.sum(mine**2)))
-        if factor > 0:
-            fits.append((rest, name, words, factor, mapped))
-    rest, name, words, factor, mapped = min(fits, key=lambda fit: fit[:2])
-    each = {scale: float(np.sum((mapped * mine)[scales == scale]) / np.sum(mapped[scales == scale] ** 2))
-            for scale in np.unique(scales)}
-    if max(each.values()) - min(each.values()) > _FACTOR * abs(factor):
+    maps = {name: (words, true @ np.array(matrix).T) for name, (words, matrix) in _MAPS.items()}
+    rest, name = min((_left_over(mine, mapped), name) for name, (_, mapped) in maps.items())
+    angle = float(np.angle(np.sum((mine @ [1, 1j]) * (true @ [1, -1j]))))
+    c, s = np.cos(angle), np.sin(angle)
+    turned = true @ np.array([[c, s], [-s, c]])
+    if _left_over(mine, turned) < _BETTER * rest:
+        rest, name = _left_over(mine, turned), "turned"
+        maps[name] = f"turned by {np.degrees(angle):.0f} degrees", turned
+    words, mapped = maps[name]
+    factor = _factor(mine, mapped)
+    each = {scale: _factor(mine[scales == scale], mapped[scales == scale]) for scale in np.unique(scales)}
+    if max(each.values()) - min(each.values()) > _FACTOR * factor:
+        rest = _left_over(mine, mapped * np.array([each[scale] for scale in scales])[:, None])
         said = ", ".join(f"{value:.2f} at {scale:g}" for scale, value in each.items())
-        return Hypothesis("scale-dependent", f"times a factor that depends on the scale of the sea: {said} times the "
-                          "usual peak wavenumber", round(-np.log10(max(rest, 1e-15)), 1))
-    if rest > _NEAR or (not name and abs(factor - 1) < _FACTOR):
+        name, words = "scale-dependent", (f"{words} and times a factor that depends on the scale of the sea: {said} "
+                                          "times the usual peak wavenumber").removeprefix(" and ")
+    elif abs(factor - 1) >= min(_FACTOR, 1e-3 + 3 * rest):
+        name, words = name or "factor", f"{words} and times {factor:.3g}".removeprefix(" and ")
+    if rest > _NEAR or not name:
         return None
-    if abs(factor - 1) >= _FACTOR:
-        words = f"{words} and times {factor:.3g}".removeprefix(" and ")
-    return Hypothesis(name or "factor", words, round(-np.log10(max(rest, 1e-15)), 1))
+    return Hypothesis(name, words, round(float(-np.log10(max(rest, 10**-_FULL))), 1))
+
+
+def _factor(mine: FloatArray, mapped: FloatArray) -> float:
+    """By which `mapped` (m, 2) comes nearest to `mine` (m, 2), not below zero."""
+    return max(float(np.sum(mapped * mine) / (np.sum(mapped**2) or 1.0)), 0.0)
+
+
+def _left_over(mine: FloatArray, mapped: FloatArray) -> float:
+    """Part of `mine` (m, 2) that no multiple of `mapped` (m, 2) explains."""
+    rest = mine - _factor(mine, mapped) * mapped
+    return float(np.sqrt(np.sum(rest**2) / (np.sum(mine**2) or 1.0)))
 
 
 def _velocities(clues: Sequence[_Clue]) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Velocities of the implementation and of the reference for the same questions, (m, 2) each, and scales (m,)."""
     mine, true, scales = [np.empty((0, 2))], [np.empty((0, 2))], [np.empty(0)]
     for clue in clues:
-        _, calls = _replayed(clue.finding.id, (), clue.can)
+        _, calls = _replayed(clue.finding.id, (), clue.declared)
         for a, b in zip(clue.finding.calls, calls, strict=False):
             if a.stage == b.stage == "extract" and a.answer.shape == b.answer.shape:
                 use = np.isfinite(a.answer).all(axis=1) & (np.hypot(*b.answer.T) > _FLOOR)

@@ -83,9 +83,10 @@ def _panel(ax: Any, tally: Tally) -> None:
     if usual and np.abs(tally.margin).max() > _FAR_OFF * usual:  # a few would press all others onto the axis
         ax.set_yscale("symlog", linthresh=10.0 ** np.ceil(np.log10(usual)))
     if not by_shell:
+        ax.set_xlim(0.5, tally.size + 0.5)
         ax.xaxis.set_major_locator(MaxNLocator(integer=True))
     ax.set_xlabel("$k$ / $k_0$" if by_shell else "comparison, in the order of the case")
-    ax.set_ylabel("holds by")
+    ax.set_ylabel("holds by ($c_0$, ratio or °)")
     if tally.size:
         ax.legend(loc="best", fontsize=7)
 

@@ -1,0 +1,101 @@
+"""Every figure of the paper: those without results, and results from ensembles, computed or golden."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from leakref._base import FloatArray
+from leakref._output import console, dump, envelope, folder
+from leakref.cases import CASES, REALIZATIONS, Configuration
+from leakref.dispersion import velocity_resolutions
+from leakref.figures import Result, result_figure, save
+from leakref.golden import Golden
+
+__all__ = ["RESULTS", "Stored", "draw_illustrations", "draw_results", "run", "stored"]
+
+RESULTS = {"theta0-dtheta": ("fig:spec_ex", "fig:Ang_Dang"), "gamma": ("fig:peakedness",),
+           "L-T": ("fig:video_duration",), "U": ("fig:ConstCurr",), "U_rotated30": ("fig:ConstCurr_rot30",),
+           "windows": ("fig:DSV_win_comp_results",), "nsp-ls": ("fig:ex_NSP_vs_LS",)}
+"""The paper's labels of the figures of results, by case and rotation."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stored:
+    """The statistics of an ensemble that a golden set keeps: at n `wavenumbers`, in c0."""
+
+    configuration: Configuration
+    window: str
+    method: str
+    wavenumbers: FloatArray
+    bias: FloatArray
+    random: FloatArray
+    mean: FloatArray
+    standard_error: FloatArray
+
+    @property
+    def resolutions(self) -> tuple[FloatArray, FloatArray]:
+        """eq:dcdwk from frequency and from wavenumber, (n,) each."""
+        grid = self.configuration.grid
+        return velocity_resolutions(self.wavenumbers, grid.wavenumber_resolution, grid.frequency_resolution)
+
+    def record(self) -> dict[str, Any]:
+        """As an Ensemble's, in the JSON of `leakref reproduce` (CONTRACT.md)."""
+        frequency, wavenumber = self.resolutions
+        return {"case": self.configuration.id, "window": self.window, "method": self.method,
+                "wavenumbers": self.wavenumbers, "bias": self.bias, "random": self.random, "mean": self.mean,
+                "standard_error": self.standard_error, "resolution_frequency": frequency,
+                "resolution_wavenumber": wavenumber, "realizations": REALIZATIONS}
+
+
+def stored(golden: Golden | None = None) -> Iterator[Stored]:
+    """Every ensemble of the paper as the golden set has it."""
+    known = {c.id: c for members in CASES.values() for c in members}
+    for entry in (golden or Golden()).entries("ensembles"):
+        given, out = entry.record["input"], entry.output
+        c = known[given["configuration"]]
+        yield Stored(c, given["window"], given["method"], c.wavenumbers, out["bias"], out["random"], out["mean"],
+                     out["standard_error"])
+
+
+def draw_results(out: Path, results: Sequence[Result], realizations: int) -> list[dict[str, Any]]:
+    """A figure for each case, or each of its rotations, in the form of the paper's: `labels` there, `files` here."""
+    groups: dict[str, list[Result]] = {}
+    for e in results:
+        if e.method == "nsp" or e.configuration.case == "nsp-ls":
+            rotated = f"_rotated{e.configuration.rotation:g}" if e.configuration.rotation else ""
+            groups.setdefault(e.configuration.case + rotated, []).append(e)
+    drawn = []
+    for name, members in groups.items():
+        still = not any(e.configuration.speed for e in members)
+        turned = f", rotated by {members[0].configuration.rotation:g}°" if "_rotated" in name else ""
+        count = f"{realizations} realisation{'s' * (realizations > 1)}"
+        title = f"case {members[0].configuration.case}{turned}, {count}"
+        files = save(result_figure(members, title, logarithmic=still and realizations > 1), out / f"figure_{name}")
+        drawn.append({"labels": RESULTS.get(name, ()), "files": files})
+    return drawn
+
+
+def draw_illustrations(out: Path) -> list[dict[str, Any]]:
+    """The figures of the paper that show no results: `labels` there, `files` here."""
+    from leakref.illustrations import ILLUSTRATIONS
+
+    return [{"labels": (label,), "files": save(draw(), out / f"figure_{name}")}
+            for label, (name, draw) in ILLUSTRATIONS.items()]
+
+
+def run(out: Path, *, json: bool) -> bool:
+    """Draw every figure of the paper to `out`, those of results from the golden ensembles; returns True."""
+    folder(out)
+    results = list(stored())
+    drawn = draw_illustrations(out) + draw_results(out, results, REALIZATIONS)
+    if json:
+        print(dump(envelope("reproduce", True, cases=[e.record() for e in results], source="golden/v1", figures=drawn)))
+    else:
+        for one in drawn:
+            print(f"{', '.join(one['labels'])}: {one['files'][0]}")
+    console().print(f"[dim]{len(drawn)} figures, PNG and SVG, in {out}; results are from golden/v1, 100 realisations "
+                    "(name cases, or --all, to compute them)[/dim]", soft_wrap=True)
+    return True

@@ -1,0 +1,88 @@
+"""The pictures of `leakref plan`: errors against wavelength, and how they change with one parameter."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter, ScalarFormatter
+
+from leakref.figures import COLOURS, METHOD_WORDS, WINDOW_WORDS, figure, styled
+from leakref.plan import Expected, Plan
+
+__all__ = ["plan_figure", "sweep_figure"]
+
+Ways = Mapping[tuple[str, str], Expected]
+
+
+def _wavelength_axis(ax: Any) -> None:
+    """Logarithmic, in metres, with numbers at 1, 2 and 5."""
+    ax.set_xscale("log")
+    ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    ax.xaxis.set_major_formatter(ScalarFormatter())
+    ax.xaxis.set_minor_formatter(NullFormatter())
+
+
+@styled
+def plan_figure(plan: Plan, title: str) -> Figure:
+    """Bias above, twice the random part below, m/s against wavelength; untapered left, tapered right.
+
+    Solid and dashed grey: the velocity resolutions. Shaded: where NSP and a taper can be trusted. Dotted: the current.
+    """
+    windows = list(dict.fromkeys(window for window, _ in plan.ways))
+    drawing, axes = figure(2, len(windows), width=8.5, sharex=True, sharey=True)
+    for (window, method), e in plan.ways.items():
+        look = {"color": COLOURS[("nsp", "ls").index(method)], "lw": 1.4, "label": METHOD_WORDS[method]}
+        column = windows.index(window)
+        axes[0, column].plot(e.wavelengths, e.bias, **look)
+        axes[0, column].fill_between(e.wavelengths, np.maximum(e.bias - 2 * e.standard_error, 1e-9),
+                                     e.bias + 2 * e.standard_error, color=look["color"], alpha=0.2, lw=0)
+        axes[1, column].plot(e.wavelengths, 2 * e.random, **look)
+    best = plan.best
+    for ax in axes.flat:
+        for values, line, what in zip(best.resolutions, ("-", "--"), (r"\omega", "k"), strict=True):
+            ax.plot(best.wavelengths, values, color="0.55", ls=line, lw=1, zorder=0,
+                    label=rf"resolution $\delta c_{{\delta {what}}}$")
+        if plan.campaign.speed:
+            ax.axhline(plan.campaign.speed, color="black", ls=":", lw=1, label="the true current")
+    for ax in axes[:, windows.index("hann")]:
+        ax.fill_between(best.wavelengths, 0, 1, where=best.trusted, color=COLOURS[2], alpha=0.1, lw=0,
+                        transform=ax.get_xaxis_transform(), label="to be trusted (NSP)")
+    for column, window in enumerate(windows):
+        axes[0, column].set_title(WINDOW_WORDS[window])
+        axes[1, column].set_xlabel("wavelength (m)")
+    axes[0, 0].set_ylabel(r"bias: mean of $|\tilde{c} - U|$ (m/s)")
+    axes[1, 0].set_ylabel(r"random: 2 $\sigma$ of $|\tilde{c} - U|$ (m/s)")
+    axes[0, 0].set_yscale("log")
+    _wavelength_axis(axes[0, 0])
+    drawing.legend(*axes[0, windows.index("hann")].get_legend_handles_labels(), loc="outside lower center", ncols=6)
+    drawing.suptitle(title, fontsize=9)
+    return drawing
+
+
+@styled
+def sweep_figure(label: str, values: Sequence[float], found: Sequence[Ways], title: str) -> Figure:
+    """The bias against wavelength for each value of the parameter, a panel for each window and method, in m/s.
+
+    `label` names the parameter with its unit; dark to bright is its first to its last value.
+    """
+    windows, methods = (list(dict.fromkeys(key[n] for key in found[0])) for n in (0, 1))
+    drawing, axes = figure(len(methods), len(windows), width=8.5, sharex=True, sharey=True)
+    shades = mpl.colormaps["viridis"](np.linspace(0, 0.92, len(values)))
+    for value, ways, shade in zip(values, found, shades, strict=True):
+        for (window, method), e in ways.items():
+            axes[methods.index(method), windows.index(window)].plot(e.wavelengths, e.bias, color=shade, lw=1.4,
+                                                                    label=f"{value:.4g}")
+    for row, method in enumerate(methods):
+        axes[row, 0].set_ylabel(f"{METHOD_WORDS[method]}: bias (m/s)")
+    for column, window in enumerate(windows):
+        axes[0, column].set_title(WINDOW_WORDS[window])
+        axes[-1, column].set_xlabel("wavelength (m)")
+    axes[0, 0].set_yscale("log")
+    _wavelength_axis(axes[0, 0])
+    drawing.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside right center", title=label)
+    drawing.suptitle(title, fontsize=9)
+    return drawing

@@ -1,0 +1,169 @@
+"""Every figure can be read: axes say what they show and in which unit, no text covers other text or leaves the page."""
+
+from __future__ import annotations
+
+import json
+from itertools import combinations
+
+import numpy as np
+import pytest
+from mpl_toolkits.mplot3d import Axes3D
+from test_plan import CAMPAIGN, made
+from test_shear_case import SHEARED, measured
+from typer.testing import CliRunner
+
+from leakref import figures
+from leakref.cases import CASES
+from leakref.chain import analyse
+from leakref.cli import app
+from leakref.dispersion import velocity_resolutions
+from leakref.figures import extraction_figure, figure, result_figure, screening_figure
+from leakref.illustrations import ILLUSTRATIONS
+from leakref.paperfigures import RESULTS, stored
+from leakref.plan import Plan
+from leakref.planfigure import plan_figure, sweep_figure
+from leakref.screen import screen
+from leakref.shearfigure import shear_figure
+
+PAPER = {"fig:leakage_lobes", "fig:spectrum_examples", "fig:leakage_illustration2D", "fig:cylinderIllustration",
+         "fig:spec_ex", "fig:Ang_Dang", "fig:peakedness", "fig:video_duration", "fig:ConstCurr", "fig:ConstCurr_rot30",
+         "fig:DSV_win_comp_results", "fig:ex_NSP_vs_LS"}
+"""The labels of all figure environments of the paper."""
+UNITLESS = ("pixels", "bins", "peak", "largest", "°", "depth", "log")
+
+
+def unreadable(drawing):
+    """What is wrong with a figure, in words."""
+    drawing.canvas.draw()
+    renderer = drawing.canvas.get_renderer()
+    texts, found = [], []
+    for ax in drawing.axes:
+        if not ax.axison:
+            continue
+        shared_x = any(other.get_xlabel() for other in ax.get_shared_x_axes().get_siblings(ax))
+        shared_y = any(other.get_ylabel() for other in ax.get_shared_y_axes().get_siblings(ax))
+        if not (ax.get_xlabel() or shared_x or ax.get_label() == "<colorbar>"):
+            found.append("an axis x has no label")
+        if not (ax.get_ylabel() or shared_y):
+            found.append("an axis y has no label")
+        for label in (ax.get_xlabel(), ax.get_ylabel()):
+            if label and not ("/" in label or "(" in label or any(word in label for word in UNITLESS)):
+                found.append(f"{label} has no unit")
+        texts += [ax.title, ax.xaxis.label, ax.yaxis.label]
+        if not isinstance(ax, Axes3D):
+            for axis in (ax.xaxis, ax.yaxis):
+                low, high = sorted(axis.get_view_interval())
+                texts += [tick.label1 for tick in axis.get_major_ticks()
+                          if tick.label1.get_visible() and low <= tick.get_loc() <= high]
+        texts += ax.get_legend().get_texts() if ax.get_legend() else []
+    texts += [text for legend in drawing.legends for text in (*legend.get_texts(), legend.get_title())]
+    texts += [drawing._suptitle] if drawing._suptitle else []
+    boxes = [(text.get_text(), text.get_window_extent(renderer)) for text in texts if text.get_text().strip()]
+    page = drawing.bbox.padded(1)
+    for said, box in boxes:
+        if not (page.x0 <= box.x0 and box.x1 <= page.x1 and page.y0 <= box.y0 and box.y1 <= page.y1):
+            found.append(f"{said!r} leaves the page")
+    for (one, a), (two, b) in combinations(boxes, 2):
+        if min(a.x1, b.x1) - max(a.x0, b.x0) > 1 and min(a.y1, b.y1) - max(a.y0, b.y0) > 1:
+            found.append(f"{one!r} covers {two!r}")
+    return found
+
+
+def test_the_reader_of_figures_sees_what_is_wrong():
+    drawing, axes = figure(1, 2)
+    axes[0, 0].set_xlabel("speed")
+    axes[0, 0].set_ylabel("mean / $c_0$")
+    axes[0, 1].set(xlabel="$k$ / $k_0$", title="x" * 120)
+    drawing.legend(handles=axes[0, 0].plot([0, 1], [0, 1], label="a line"), loc="upper left",
+                   bbox_to_anchor=(0.3, 0.08))
+    found = "\n".join(unreadable(drawing))
+    for fault in ("speed has no unit", "an axis y has no label", "leaves the page"):
+        assert fault in found
+    axes[0, 1].set(title="", ylabel="mean / $c_0$")
+    axes[0, 0].set_xlabel("speed (m/s)")
+    drawing.legends.clear()
+    assert unreadable(drawing) == []
+    axes[0, 0].xaxis.set_label_coords(0.5, -0.05)  # among the numbers
+    assert any("covers" in fault for fault in unreadable(drawing))
+
+
+def test_every_figure_of_the_paper_has_its_own():
+    assert {label for labels in RESULTS.values() for label in labels} | set(ILLUSTRATIONS) == PAPER
+
+
+@pytest.mark.parametrize("label", ILLUSTRATIONS)
+def test_illustrations_can_be_read(label):
+    assert unreadable(ILLUSTRATIONS[label][1]()) == []
+
+
+@pytest.fixture(scope="module")
+def golden():
+    return list(stored())
+
+
+def test_stored_results_are_complete(golden):
+    assert {e.configuration.id for e in golden} == {c.id for members in CASES.values() for c in members}
+    assert len(golden) == 2 * sum(len(c.windows) for members in CASES.values() for c in members)
+
+
+@pytest.mark.parametrize(("case", "rotation"), [("theta0-dtheta", 0), ("gamma", 0), ("L-T", 0), ("U", 0), ("U", 30),
+                                                ("windows", 0), ("nsp-ls", 0)])
+def test_result_figures_can_be_read(case, rotation, golden):
+    members = [e for e in golden if (e.configuration.case, e.configuration.rotation) == (case, rotation)
+               and (e.method == "nsp" or case == "nsp-ls")]
+    drawing = result_figure(members, f"case {case}, 100 realisations", logarithmic=case != "U")
+    assert unreadable(drawing) == []
+    if case == "windows":  # compared in one column, as the paper does
+        assert len(drawing.axes) == 2
+        assert [text.get_text() for text in drawing.legends[0].get_texts()][:4] == [
+            "no window", "Hann", "Blackman", "Kaiser-Bessel"]
+
+
+def test_figures_of_a_cube_can_be_read(untapered, tapered):
+    k = 2 * np.pi / 32 * np.arange(4, 9)
+    grid = tapered.grid
+    units = ("rad/m", "m/s")
+    resolutions = velocity_resolutions(k, grid.wavenumber_resolution, grid.frequency_resolution)
+    flags = [["flat", "edge"], [], ["leakage"], [], []]
+    found = analyse(tapered, k, search=False)
+    drawn = extraction_figure(found, flags, resolutions, units, "cube.nc: nsp, window hann", np.array([0.1, 0.0]))
+    assert unreadable(drawn) == []
+    screened = screen(untapered, tapered, k)
+    assert unreadable(screening_figure(screened, resolutions, units, "cube.nc: is leakage at work?")) == []
+
+
+@pytest.fixture(scope="module")
+def ways():
+    return {(window, method): made(scale, window, method) for window, method, scale in (
+        ("box", "nsp", 0.9), ("box", "ls", 1.5), ("hann", "nsp", 0.3), ("hann", "ls", 0.6))}
+
+
+def test_figures_of_a_plan_can_be_read(ways):
+    title = "128 x 96 m for 30 s; waves of 15 m at 90°, spread 45°, $\\gamma$ = 3.3; current 0.3 m/s at 90°"
+    assert unreadable(plan_figure(Plan(CAMPAIGN, ways, made(0.2), made(0.3)), title)) == []
+    swept = sweep_figure("spread (deg)", [15.0, 33.333333, 90.0], [ways] * 3, f"Sweep over the spread: {title}")
+    assert unreadable(swept) == []
+
+
+def test_the_figure_of_case_shear_can_be_read():
+    rng = np.random.default_rng(1)
+    found = []
+    for c in SHEARED:
+        e = measured(c, c.truth + 0.02 * rng.standard_normal((3, *c.truth.shape)))
+        found += [e, measured(c, c.truth).__class__(c, "box", "nsp", c.wavenumbers, e.velocities, e.notes)]
+    assert unreadable(shear_figure(found, "sheared currents by NSP, 3 realisations")) == []
+
+
+def test_the_command_draws_all_of_them_from_the_golden_set(tmp_path, monkeypatch):
+    drawn = []
+    monkeypatch.setattr(figures.Figure, "savefig", lambda self, path, **how: drawn.append(path.write_bytes(b"x")))
+    done = CliRunner().invoke(app, ["reproduce", "--figures", "--out", str(tmp_path), "--json"], catch_exceptions=False)
+    assert done.exit_code == 0
+    found = json.loads(done.stdout)
+    assert {label for one in found["figures"] for label in one["labels"]} == PAPER
+    assert len(drawn) == 22
+    assert len(list(tmp_path.glob("figure_*.svg"))) == 11
+    entry = next(case for case in found["cases"] if (case["case"], case["window"], case["method"]) == (
+        "nsp-ls", "hann", "nsp"))
+    assert entry["bias"][6] == pytest.approx(0.0058, abs=1e-4)
+    assert len(entry["resolution_frequency"]) == len(entry["wavenumbers"]) == 32

@@ -1,0 +1,46 @@
+"""The switch LEAKREF_REQUIRE: what is absent is skipped with a reason, and where it is required it is a failure."""
+
+from __future__ import annotations
+
+import sys
+
+import pytest
+import tools
+
+
+def outcome(monkeypatch, required, ask):
+    monkeypatch.setenv("LEAKREF_REQUIRE", required)
+    try:
+        ask()
+    except (pytest.skip.Exception, pytest.fail.Exception, pytest.UsageError) as said:
+        return type(said).__name__, str(said)
+    return "there", ""
+
+
+@pytest.mark.parametrize(("required", "what"), [
+    ("", "Skipped"), ("octave", "Failed"), ("chromium, octave", "Failed"), ("chromium,iwave", "Skipped"),
+    ("g++", "Skipped"), ("octavo", "UsageError"), ("chromium octave", "UsageError")])
+def test_a_program_that_is_absent(monkeypatch, required, what):
+    said, reason = outcome(monkeypatch, required, lambda: tools.requires("no-such-program", "octave"))
+    assert said == what
+    assert ("no-such-program is not installed" in reason) == (what != "UsageError")
+
+
+def test_a_program_goes_by_its_own_name_unless_it_has_another(monkeypatch):
+    monkeypatch.setenv("PATH", "")
+    assert outcome(monkeypatch, "make", lambda: tools.requires("make"))[0] == "Failed"
+    assert outcome(monkeypatch, "g++", lambda: tools.requires("make"))[0] == "Skipped"
+
+
+@pytest.mark.parametrize("python", ["", "/nowhere/python", sys.executable])
+@pytest.mark.parametrize(("required", "what"), [("", "Skipped"), ("iwave", "Failed")])
+def test_an_environment_without_iwave(monkeypatch, python, required, what):
+    monkeypatch.setenv("LEAKREF_IWAVE_PYTHON", python)
+    said, reason = outcome(monkeypatch, required, tools.iwave_python)
+    assert said == what
+    assert ("has no iwave" if python == sys.executable else "does not name") in reason
+
+
+def test_what_is_there_is_found_whatever_is_required(monkeypatch):
+    for required in ("", "octave,chromium,iwave"):
+        assert outcome(monkeypatch, required, lambda: tools.requires(sys.executable, "octave")) == ("there", "")
