@@ -170,6 +170,7 @@ def certificates():
 
 
 @pytest.mark.slow
+@pytest.mark.xdist_group("certificates")  # made once
 @pytest.mark.parametrize(("noisy", "share"), [(False, 0.95), (True, 0.9)])
 def test_the_right_fault_comes_first(noisy, share, certificates):
     found, classes = certificates
@@ -178,7 +179,7 @@ def test_the_right_fault_comes_first(noisy, share, certificates):
         same = next((members for members in classes if name in members), [name])
         noise = np.random.default_rng(0)
         said = diagnose([stopped_early(f, noise) for f in failed] if noisy else failed, declared)
-        named = said.hypotheses if noisy else said.hypotheses[:1]  # with noise, which of several alike is first is chance
+        named = said.hypotheses if noisy else said.hypotheses[:1]  # with noise the first of several alike is chance
         if not {one.fault for one in named} & set(same):
             missed[name] = said.words
     print(json.dumps({"classes": classes, "missed": missed}, indent=1))

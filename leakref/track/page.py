@@ -76,6 +76,8 @@ def levels_figure(shown: Sequence[Version], case: str) -> Figure:
             ax.set_xticks(range(len(shown)), [one.entry.label for one in shown],
                           rotation=30 if len(shown) > 4 else 0, ha="right" if len(shown) > 4 else "center")
         axes[row, 0].set_ylabel("mean error / resolution")
+    for ax in axes[-1]:
+        ax.set_xlabel("version")
     _legend(drawing, axes)
     return drawing
 
