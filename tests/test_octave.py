@@ -81,12 +81,3 @@ def test_golden_values_are_read_as_the_readme_says(octave, tmp_path):
     # jsondecode of Octave is not always right in the last bit
     assert np.allclose(w, entry.output["w"], rtol=2**-52, atol=0)
     assert np.isclose(allowed, float(entry.tolerance("w")), rtol=2**-52, atol=0)
-
-
-def test_the_requirement_fails_where_it_is_asked_for(monkeypatch):
-    monkeypatch.setenv("LEAKREF_REQUIRE", "octave,other")
-    with pytest.raises(pytest.fail.Exception, match="required"):
-        requires("no-such-program", "octave")
-    monkeypatch.setenv("LEAKREF_REQUIRE", "other")
-    with pytest.raises(pytest.skip.Exception, match="no-such-program is not installed"):
-        requires("no-such-program", "octave")
