@@ -225,7 +225,7 @@ def plan(
     json: Json = False,
 ) -> bool:
     """What a campaign will measure: expected errors at each wavelength, in m/s, and what would improve them."""
-    from leakref.plancommand import run
+    from leakref.planning.command import run
 
     given = {"field-of-view": field_of_view, "duration": duration, "peak-wavelength": peak_wavelength,
              "direction": direction, "spread": spread, "gamma": gamma, "current": current,
@@ -269,13 +269,13 @@ def reproduce(
         typer.echo(_output.dump(_output.envelope("reproduce", True, ids=ids)) if json else "\n".join(ids))
         return True
     if figures and not everything and not case:
-        from leakref.paperfigures import run as run_figures
+        from leakref.paper.figures import run as run_figures
 
         return run_figures(out, json=json)
     if everything == bool(case):
         raise LeakrefError("reproduce", "both --all and cases were given" if case else "no case was named",
                            f"name some of {', '.join(CASES)}, or pass --all")
-    from leakref.reproduce import run
+    from leakref.paper.reproduce import run
 
     return run(list(CASES) if everything else case or [], realizations=realizations, figures=figures, out=out,
                route=route.upper(), json=json, workers=workers or os.cpu_count() or 1, scheduler=scheduler,
@@ -318,7 +318,7 @@ def claims(
 @command(None, "lint", golden_app)
 def golden_lint(golden: GoldenNumber = 1, place: GoldenFolder = None, json: Json = False) -> bool:
     """Whole and unchanged? Schemas, counts, ids, digests of every entry."""
-    from leakref.goldencommands import run_lint
+    from leakref.golden.commands import run_lint
 
     return run_lint(golden, place, json=json)
 
@@ -337,7 +337,7 @@ def golden_verify(
     json: Json = False,
 ) -> int:
     """Still reproduced? Compute again and compare: vectors and a few realisations, or everything."""
-    from leakref.goldencommands import run_verify
+    from leakref.golden.commands import run_verify
 
     return run_verify(ids or [], golden, place, full=full, route=route.upper(), work=work,
                       workers=workers or os.cpu_count() or 1, json=json)
@@ -354,7 +354,7 @@ def golden_regenerate(
     json: Json = False,
 ) -> bool:
     """Compute entries again, show what differs; replaces only the ids that are named."""
-    from leakref.goldencommands import run_regenerate
+    from leakref.golden.commands import run_regenerate
 
     return run_regenerate(ids or [], golden, place, work=work, workers=workers or os.cpu_count() or 1, json=json)
 

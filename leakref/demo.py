@@ -19,11 +19,11 @@ from leakref.certify.diagnosis import explained
 from leakref.certify.faults import FAULTS
 from leakref.certify.inprocess import InProcess
 from leakref.certify.judge import certify
-from leakref.certify.registry import chosen
+from leakref.certify.choice import chosen
 from leakref.certify.report import page as render
 from leakref.certify.targets import load
 from leakref.ensemble import Ensemble
-from leakref.reproduce import table
+from leakref.paper.reproduce import table
 
 __all__ = ["CASE", "run"]
 

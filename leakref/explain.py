@@ -51,8 +51,9 @@ def _text(value: Any) -> str:
 
 
 def _names() -> Iterator[str]:
+    from leakref.certify.choice import chosen
     from leakref.certify.faults import FAULTS
-    from leakref.certify.registry import FAMILIES, chosen
+    from leakref.certify.registry import FAMILIES
     from leakref.certify.variants import VARIANTS
     from leakref.claims import CLAIMS
     from leakref.decisions import DECISIONS
@@ -63,7 +64,7 @@ def _names() -> Iterator[str]:
 
 
 def _check(identifier: str) -> Explanation | None:
-    from leakref.certify.registry import chosen
+    from leakref.certify.choice import chosen
 
     name, _, rest = identifier.partition("[")
     matches = [(c, case) for c, case in chosen() if c.id == name and (not rest or f"[{case.id}]" == f"[{rest}")]
@@ -86,7 +87,8 @@ def _killed_by(check: str) -> list[str]:
 
 
 def _family(identifier: str) -> Explanation | None:
-    from leakref.certify.registry import FAMILIES, chosen
+    from leakref.certify.choice import chosen
+    from leakref.certify.registry import FAMILIES
 
     if identifier not in FAMILIES:
         return None

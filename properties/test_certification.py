@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 from leakref.certify.pytesting import settle
-from leakref.certify.registry import Case, Check, chosen
+from leakref.certify.choice import chosen
+from leakref.certify.registry import Case, Check
 from leakref.plugin import ASKED
 from .examined import Examined
 

@@ -12,7 +12,7 @@ from test_commands import leakref as command
 
 from leakref import LeakrefError
 from leakref.certify.certificate import schema
-from leakref.certify.registry import chosen
+from leakref.certify.choice import chosen
 from leakref.explain import explained
 
 ODD = """

@@ -13,7 +13,8 @@ from leakref.certify.checks.signs import image
 from leakref.certify.cubes import SEA, SHELLS, pair, sea
 from leakref.certify.expected import expected, score, unflagged
 from leakref.certify.inprocess import InProcess
-from leakref.certify.registry import CHECKS, FAMILIES, Outcome, chosen, run_check
+from leakref.certify.choice import chosen, run_check
+from leakref.certify.registry import CHECKS, FAMILIES, Outcome
 from leakref.certify.statistics import FALSE_ALARMS, TESTS, excess, share
 from leakref.certify.verdict import Unanswered, Verdict
 from leakref.chain import Reference, extract, reference

@@ -12,7 +12,7 @@ from leakref.certify import faults, strength
 from leakref.certify.diagnosis import ENOUGH, departure, diagnose
 from leakref.certify.faults import FAULTS, implementation
 from leakref.certify.inprocess import InProcess
-from leakref.certify.registry import chosen, judged
+from leakref.certify.choice import chosen, judged
 from leakref.chain import reference
 
 SOME = ("signs.aligned", "recovery.pair[even-1]", "recovery.pair[odd-2]", "conformance.window", "conformance.surface",
@@ -52,6 +52,16 @@ def test_the_planted_fault_is_named(fault, few):
     assert failed
     assert [one.fault for one in said.hypotheses] == [fault]
     assert said.words.startswith("equals the reference with this fault")
+
+
+def test_a_code_that_never_says_the_same_twice_is_known_by_what_it_does_wrong(monkeypatch):
+    """Its numbers are no evidence: none come back."""
+    monkeypatch.setattr(faults, "FAULTS", {name: FAULTS[name] for name in (*FEW, "random-output", "state-kept")})
+    failed, declared, _ = wrong(implementation("random-output"))
+    said = diagnose(failed, declared)
+    assert {f.family for f in failed} > {"behaviour"}
+    assert said.hypotheses[0].fault == "random-output"
+    assert said.hypotheses[0].digits is None
 
 
 def test_a_code_of_few_keywords_is_diagnosed_on_what_it_offers(few):
@@ -171,7 +181,7 @@ def certificates():
 
 @pytest.mark.slow
 @pytest.mark.xdist_group("certificates")  # made once
-@pytest.mark.parametrize(("noisy", "share"), [(False, 0.95), (True, 0.9)])
+@pytest.mark.parametrize(("noisy", "share"), [(False, 0.95), (True, 0.95)])
 def test_the_right_fault_comes_first(noisy, share, certificates):
     found, classes = certificates
     missed = {}

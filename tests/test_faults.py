@@ -8,7 +8,8 @@ from leakref.altered import Change
 from leakref.certify import faults
 from leakref.certify.faults import FAULTS, Fault, implementation
 from leakref.certify.inprocess import InProcess
-from leakref.certify.registry import FAMILIES, chosen
+from leakref.certify.choice import chosen
+from leakref.certify.registry import FAMILIES
 from leakref.certify.strength import DISTINCT, _over, fault_record
 from leakref.chain import reference
 from leakref.golden import Golden

@@ -18,12 +18,12 @@ from leakref.chain import analyse
 from leakref.cli import app
 from leakref.dispersion import velocity_resolutions
 from leakref.figures import extraction_figure, figure, result_figure, screening_figure
-from leakref.illustrations import ILLUSTRATIONS
-from leakref.paperfigures import RESULTS, stored
-from leakref.plan import Plan
-from leakref.planfigure import plan_figure, sweep_figure
+from leakref.paper.illustrations import ILLUSTRATIONS
+from leakref.paper.figures import RESULTS, stored
+from leakref.planning.plan import Plan
+from leakref.planning.figures import plan_figure, sweep_figure
 from leakref.screen import screen
-from leakref.shearfigure import shear_figure
+from leakref.paper.shearfigure import shear_figure
 
 PAPER = {"fig:leakage_lobes", "fig:spectrum_examples", "fig:leakage_illustration2D", "fig:cylinderIllustration",
          "fig:spec_ex", "fig:Ang_Dang", "fig:peakedness", "fig:video_duration", "fig:ConstCurr", "fig:ConstCurr_rot30",

@@ -16,10 +16,10 @@ import numpy as np
 import pytest
 
 import leakref
-from leakref import LeakrefError, golden, goldenmaking
-from leakref.golden import Entry, Golden, compare, lint
-from leakref.goldenstages import STAGES
-from leakref.goldenvectors import VECTORS
+from leakref import LeakrefError, golden
+from leakref.golden import Entry, Golden, compare, lint, making
+from leakref.golden.stages import STAGES
+from leakref.golden.vectors import VECTORS
 
 from test_commands import leakref as command
 
@@ -80,18 +80,18 @@ def test_the_definitions_are_those_the_set_was_made_from():
 
 @pytest.mark.parametrize("entry", of("vectors", "analytic"))
 def test_the_chain_reproduces(entry):
-    failures = goldenmaking.verify_entry(entry)
+    failures = making.verify_entry(entry)
     assert not failures, "\n".join(map(str, failures))
 
 
 @pytest.mark.parametrize("entry", [p for p in of("vectors", "analytic") if p.id in WITNESSED])
 def test_the_witness_with_40_digits_reproduces(entry):
-    failures = goldenmaking.verify_entry(entry, with_witness=True)
+    failures = making.verify_entry(entry, with_witness=True)
     assert not failures, "\n".join(map(str, failures))
 
 
 def realizations(quick):
-    return [p for p in of("realizations") if goldenmaking._is_quick(p.values[0]) == quick]
+    return [p for p in of("realizations") if making._is_quick(p.values[0]) == quick]
 
 
 @pytest.mark.parametrize("entry", some(realizations(True), "not in the set"))
@@ -100,7 +100,7 @@ def test_a_paper_case_is_reproduced(entry):
         part = next(p for p in Golden().manifest["parts"] if p["name"] == "realizations")
         assert part["state"] in ("absent", "partial")
         return
-    failures = goldenmaking._verify_realizations([entry], False, None, 1, lambda: None)
+    failures = making._verify_realizations([entry], False, None, 1, lambda: None)
     assert not failures, "\n".join(map(str, failures))
 
 
@@ -115,7 +115,7 @@ def test_every_ensemble_is_reproduced(tmp_path):
     entries = [e for e in ALL if e.stage == "ensemble"]
     part = next(p for p in Golden().manifest["parts"] if p["name"] == "ensembles")
     assert len(entries) == part["entries"]
-    failures = goldenmaking._verify_ensembles(entries, "B", tmp_path, 2, lambda: None)
+    failures = making._verify_ensembles(entries, "B", tmp_path, 2, lambda: None)
     assert not failures, "\n".join(map(str, failures))
 
 
@@ -197,7 +197,7 @@ def assert_seen(files, copy, count):
     """One number of each file changed at a time: lint names those ids and no other."""
     for together in zip(*(changes(file, count) for file in files), strict=True):
         for file, (_, _, changed) in zip(files, together, strict=True):
-            (copy / file).write_text(goldenmaking._text(changed) + "\n", encoding="utf-8")
+            (copy / file).write_text(making._text(changed) + "\n", encoding="utf-8")
         failures = lint(Golden(copy)).failures
         assert {f.id for f in failures} == {identifier for identifier, _, _ in together}, (together, failures)
 
@@ -273,7 +273,7 @@ def swap(folder, old, new):
 
 def test_writing_what_was_read_gives_the_same_bytes(tmp_path):
     for file in FILES:
-        for name in goldenmaking._write(tmp_path, file, [e for e in ALL if e.file == file]):
+        for name in making._write(tmp_path, file, [e for e in ALL if e.file == file]):
             assert (tmp_path / name).read_bytes() == (SET / name).read_bytes(), name
 
 
@@ -283,7 +283,7 @@ def small(tmp_path):
     folder = tmp_path / "v1"
     folder.mkdir()
     shutil.copy(SET / "schema.json", folder)
-    rows, settled = goldenmaking.regenerate(["grid-paper", "window-hann-7"], folder)
+    rows, settled = making.regenerate(["grid-paper", "window-hann-7"], folder)
     assert settled
     assert [row["change"] for row in rows] == ["new", "new"]
     assert lint(Golden(folder)).ok
@@ -296,23 +296,23 @@ def test_only_what_is_named_is_replaced(small):
     path = folder / "vectors/window.json"
     whole = path.read_bytes()
     path.write_bytes(whole.replace(b"0.1882550990706332", b"0.1882550990806332"))
-    goldenmaking._write_manifest(folder)  # as if somebody had covered it up
+    making._write_manifest(folder)  # as if somebody had covered it up
     edited = path.read_bytes()
     assert lint(Golden(folder)).ok
-    assert not goldenmaking.verify(Golden(folder)).ok
-    rows, settled = goldenmaking.regenerate([], folder)
+    assert not making.verify(Golden(folder)).ok
+    rows, settled = making.regenerate([], folder)
     assert not settled
     (row,) = (row for row in rows if row["change"] != "same")
     assert (row["id"], row["written"]) == ("window-hann-7", False)
     assert row["largest"] == pytest.approx(1e-11, rel=1e-3)
     assert path.read_bytes() == edited
     assert (folder / "vectors/window.new.json").read_bytes() == whole
-    goldenmaking.regenerate(["window-hann-*"], folder)  # a pattern adds, and does not replace
+    making.regenerate(["window-hann-*"], folder)  # a pattern adds, and does not replace
     assert b"0.1882550990806332" in path.read_bytes()
-    goldenmaking.regenerate(["window-hann-7"], folder)
+    making.regenerate(["window-hann-7"], folder)
     assert b"0.1882550990806332" not in path.read_bytes()
     with pytest.raises(LeakrefError, match="no golden value is called 'nonsense'"):
-        goldenmaking.regenerate(["nonsense"], folder)
+        making.regenerate(["nonsense"], folder)
 
 
 def test_routes_that_disagree_make_nothing(monkeypatch, tmp_path):
@@ -321,7 +321,7 @@ def test_routes_that_disagree_make_nothing(monkeypatch, tmp_path):
     wrong = replace(stage, routes={"chain": lambda g: {"w": np.ones(g["size"])}})
     monkeypatch.setitem(STAGES, "window", wrong)
     with pytest.raises(LeakrefError, match=r"window-hann-7: route chain differs in w by"):
-        goldenmaking.regenerate(["window-hann-7"], tmp_path)
+        making.regenerate(["window-hann-7"], tmp_path)
     assert not (tmp_path / "vectors").exists()
 
 
@@ -333,7 +333,7 @@ def work(tmp_path_factory):
 
 def test_a_realisation_is_made_by_both_routes_and_found_again_when_interrupted(small, tmp_path, work, monkeypatch):
     name = "realization-L-T/L=5,T=10/0"
-    goldenmaking.regenerate([name], small, work=work)
+    making.regenerate([name], small, work=work)
     assert lint(Golden(small)).ok
     entry = Golden(small).entry(name)
     assert entry.record["origin"] == {"values": "A", "confirmed_by": ["B"]}
@@ -342,31 +342,31 @@ def test_a_realisation_is_made_by_both_routes_and_found_again_when_interrupted(s
     for key, notes in entry.record["notes"].items():
         plain = np.array([not said for said in notes])
         assert np.nanmax(np.asarray(entry.record["accuracy"][key]["tolerance"], dtype=float)[plain]) <= 1.001e-11
-    assert goldenmaking.verify(Golden(small), full=True, work=tmp_path).ok
+    assert making.verify(Golden(small), full=True, work=tmp_path).ok
 
     def made_again(*_):
         raise AssertionError("it was there")
 
-    monkeypatch.setattr(goldenmaking, "_realization", made_again)
-    rows, _ = goldenmaking.regenerate([name], small, work=tmp_path)
+    monkeypatch.setattr(making, "_realization", made_again)
+    rows, _ = making.regenerate([name], small, work=tmp_path)
     assert rows[0]["change"] == "same"
     path = small / "realizations/L-T.json"
     value = entry.record["output"]["hann_nsp"][3][1]
     path.write_text(path.read_text(encoding="utf-8").replace(repr(value), repr(value + 1e-10)), encoding="utf-8")
     assert {f.id for f in lint(Golden(small)).failures} == {name}
-    goldenmaking._write_manifest(small)
-    (failure,) = goldenmaking.verify(Golden(small)).failures
+    making._write_manifest(small)
+    (failure,) = making.verify(Golden(small)).failures
     assert failure.id == name
     assert "hann_nsp[3, 1]" in failure.message
 
 
 def test_ensembles_are_made_and_checked(small, tmp_path, work, monkeypatch):
-    monkeypatch.setattr(goldenmaking, "REALIZATIONS", 2)
-    monkeypatch.setattr(goldenmaking, "_CERTIFIED", (0,))
+    monkeypatch.setattr(making, "REALIZATIONS", 2)
+    monkeypatch.setattr(making, "_CERTIFIED", (0,))
     with pytest.raises(LeakrefError, match=r"has its digits from realization-L-T/L=5,T=10/0, which is not there"):
-        goldenmaking.regenerate(["ensemble-L-T/L=5,T=10/*"], small, work=tmp_path)
-    goldenmaking.regenerate(["realization-L-T/L=5,T=10/0"], small, work=work)
-    goldenmaking.regenerate(["ensemble-L-T/L=5,T=10/*"], small, work=tmp_path)
+        making.regenerate(["ensemble-L-T/L=5,T=10/*"], small, work=tmp_path)
+    making.regenerate(["realization-L-T/L=5,T=10/0"], small, work=work)
+    making.regenerate(["ensemble-L-T/L=5,T=10/*"], small, work=tmp_path)
     assert lint(Golden(small)).ok
     assert len(list(Golden(small).entries("ensembles"))) == 4
     entry = Golden(small).entry("ensemble-L-T/L=5,T=10/hann-nsp")
@@ -375,7 +375,7 @@ def test_ensembles_are_made_and_checked(small, tmp_path, work, monkeypatch):
     assert entry.output["count"].tolist() == [2] * 16
     both = Golden(small).entry("realization-L-T/L=5,T=10/0").record["accuracy"]["hann_nsp"]["digits"]
     assert entry.record["accuracy"]["bias"]["digits"] == both < 15.6 == entry.record["accuracy"]["count"]["digits"]
-    assert goldenmaking.verify(Golden(small), full=True, work=tmp_path).ok
+    assert making.verify(Golden(small), full=True, work=tmp_path).ok
 
 
 # ---------------------------------------------------------------- commands
@@ -488,7 +488,7 @@ def rewritten(module, old, new):
     finder = Rewriter()
     sys.meta_path.insert(0, finder)
     try:
-        making = import_module("leakref.goldenmaking")
+        making = import_module("leakref.golden.making")
         assert Rewriter.used
         yield making
     finally:

@@ -11,14 +11,14 @@ import pytest
 from typer.testing import CliRunner
 
 from leakref import LeakrefError, Scales, ensemble, plan, runs
-from leakref.advice import advice, ranges
+from leakref.planning.advice import advice, ranges
 from leakref.cases import configurations
 from leakref.cli import app
 from leakref.ensemble import Ensemble
 from leakref.golden import Golden
-from leakref.plan import GRAVITY, Campaign, Expected, Flight, Plan, expected
-from leakref.plancommand import parse_sweep
-from leakref.quantities import number, quantity
+from leakref.planning.plan import GRAVITY, Campaign, Expected, Flight, Plan, expected
+from leakref.planning.command import parse_sweep
+from leakref.planning.quantities import number, quantity
 
 WAVELENGTH = 20.0
 SCALES = Scales(2 * np.pi / WAVELENGTH, GRAVITY)

@@ -15,7 +15,7 @@ from tools import iwave_python, requires
 from leakref.certify.connect import connect
 from leakref.certify.diagnosis import explained
 from leakref.certify.judge import certify
-from leakref.certify.registry import chosen
+from leakref.certify.choice import chosen
 
 HERE = Path(__file__).parent / "real_codes"
 SOME = ("signs.sea[to-22.5]", "signs.aligned[to-112.5]", "recovery.pair[odd-1]", "recovery.single[even]",

@@ -14,7 +14,7 @@ from leakref.cases import CASES, configurations
 from leakref.cli import app
 from leakref.dispersion import intrinsic_frequency
 from leakref.ensemble import Ensemble
-from leakref.shear import BANDS, SHEARED, Sheared, answer, inferred, sheared
+from leakref.paper.shear import BANDS, SHEARED, Sheared, answer, inferred, sheared
 
 BY_ID = {c.id: c for c in SHEARED}
 

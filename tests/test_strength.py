@@ -11,7 +11,8 @@ from leakref.altered import Change
 from leakref.certify import cubes, faults, strength
 from leakref.certify.faults import FAULTS, Fault
 from leakref.certify.inprocess import InProcess
-from leakref.certify.registry import CHECKS, FAMILIES, chosen
+from leakref.certify.choice import chosen
+from leakref.certify.registry import CHECKS, FAMILIES
 from leakref.certify.statistics import excess, share
 from leakref.certify.strength import Job, classes, compute, false_alarms, fault_record, fresh, problems, study
 from leakref.certify.variants import VARIANTS

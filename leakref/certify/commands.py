@@ -20,7 +20,7 @@ from leakref.certify.connect import HarnessBroken, Limits, connect
 from leakref.certify.diagnosis import explained
 from leakref.certify.judge import certify
 from leakref.certify.process import ProcessSubject
-from leakref.certify.registry import chosen
+from leakref.certify.choice import chosen
 from leakref.certify.verdict import Verdict
 from leakref.golden import locate
 

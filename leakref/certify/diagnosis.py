@@ -26,7 +26,8 @@ from leakref.certify import faults
 from leakref.certify.certificate import Certificate
 from leakref.certify.declaration import Declaration
 from leakref.certify.inprocess import InProcess
-from leakref.certify.registry import Case, Check, chosen
+from leakref.certify.choice import chosen
+from leakref.certify.registry import Case, Check
 from leakref.certify.subject import Call
 from leakref.certify.verdict import Finding, Verdict
 from leakref.chain import METHODS
@@ -41,6 +42,7 @@ _FULL = 15.6  # digits of float64
 _EVIDENCE = 8  # failed checks that are run again
 _WRONG = (Verdict.FAIL, Verdict.ERROR, Verdict.TIMEOUT)
 _STAGES = ("window", "synthesize", "spectrum", "extract")
+_TWICE = "behaviour.deterministic"
 _FLOOR = 0.02  # in c0: slower velocities of the reference say nothing of a sign
 _USUAL = 0.3  # in c0: digits of slower velocities are counted from here, since optimisers stop at so much of c0
 
@@ -112,15 +114,19 @@ def diagnose(findings: Sequence[Finding], declared: Mapping[str, Any], *, deep: 
     `declared` is what the implementation says of itself (`Declaration.record`): the reference with a fault is asked for
     no more than that, so that it is asked the same. Calls `after_each` for every fault tried.
     """
-    asked = {name: declared[name] for name in ("can", "fixed")}
-    clues = _clues(findings, dumps(asked, sort_keys=True, default=list))
+    declared_as = dumps({name: declared[name] for name in ("can", "fixed")}, sort_keys=True, default=list)
+    clues = _clues(findings, declared_as)
     if not clues:
         return Diagnosis((), "")
     named = {fault.id: fault.words for fault in faults.FAULTS.values()}
-    best, plain = _tried(clues, [(), *((name,) for name in named)], after_each)
+    singles = [(), *((name,) for name in named)]
+    best, plain = _tried(clues, singles, after_each)
     if not _explains(best, plain) and deep:
         pairs = [pair for pair in combinations(faults.FAULTS, 2) if _implementation(pair) is not None]
         best, plain = _tried(clues, [(), *pairs], after_each)
+    if not _explains(best, plain) and any(f.id.startswith(_TWICE) for f in findings):  # its numbers are no evidence
+        behaviour = [f for f in findings if f.family == "behaviour"]
+        best, plain = _tried(_clues(behaviour, declared_as), singles, after_each)
     if _explains(best, plain):
         top = best[0][1]
         alike = [Hypothesis("+".join(names), " and ".join(named[name] for name in names), _shown(digits))
@@ -168,8 +174,8 @@ def _tried(clues: Sequence[_Clue], hypotheses: Sequence[tuple[str, ...]], after_
 
 
 def _worst(digits: Sequence[float]) -> float:
-    """What all but a few answers agree to: one shell in another basin does not refute a hypothesis."""
-    return float(np.quantile(digits, 0.1, method="higher")) if digits else 0.0
+    """What nine answers in ten agree to: one shell in another basin does not refute a hypothesis."""
+    return float(np.quantile(digits, 0.1, method="lower")) if digits else 0.0
 
 
 def _explains(best: Scored, plain: float) -> bool:
@@ -225,17 +231,19 @@ def _agreement(clue: _Clue, names: tuple[str, ...]) -> list[float]:
     """Digits to which a hypothesis gives the answers of a clue; beyond those of float64 for what is no number."""
     theirs = clue.finding
     finding, calls = _replayed(theirs.id, names, clue.declared)
-    if names and finding.verdict is not theirs.verdict:  # the reference itself is compared by its numbers alone
+    in_words = theirs.family == "behaviour" or not theirs.calls
+    if (names or in_words) and finding.verdict is not theirs.verdict:  # the reference is compared by its numbers alone
         return [0.0]
-    if theirs.family == "behaviour" or not theirs.calls:
-        return [_FULL + 1 if _without_numbers(finding.message) == _without_numbers(theirs.message) else 0.0]
-    if len(calls) != len(theirs.calls):
-        return [0.0]
-    return [digits for mine, other in zip(theirs.calls, calls, strict=True) for digits in _digits(mine, other)]
+    digits = [digit for mine, other in zip(theirs.calls, calls, strict=False) for digit in _digits(mine, other)]
+    if in_words:  # and more alike with the same numbers
+        same = _told(finding) <= _told(theirs)  # which may tell of the checks before as well
+        return [_FULL + 1 + _worst(digits) / _FULL if same else 0.0]
+    return digits if len(calls) == len(theirs.calls) else [0.0]
 
 
-def _without_numbers(message: str) -> str:
-    return re.sub(r"[-+]?[0-9][0-9.e+-]*", "#", message)
+def _told(finding: Finding) -> set[str]:
+    """The parts of its message, without numbers."""
+    return set(re.sub(r"[-+]?[0-9][0-9.e+-]*", "#", finding.message).split("; "))
 
 
 def _digits(mine: Call, other: Call) -> list[float]:

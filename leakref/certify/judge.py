@@ -11,7 +11,8 @@ from time import perf_counter
 
 from leakref._base import LeakrefError
 from leakref.certify.certificate import Certificate, Known
-from leakref.certify.registry import Case, Check, chosen, judged
+from leakref.certify.choice import chosen, judged
+from leakref.certify.registry import Case, Check
 from leakref.certify.subject import Subject
 from leakref.certify.verdict import Finding, Verdict
 

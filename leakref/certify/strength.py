@@ -30,7 +30,8 @@ from leakref.certify import cubes, faults, variants
 from leakref.certify.faults import FAULTS, Fault
 from leakref.certify.inprocess import InProcess
 from leakref.certify.judging import NEVER
-from leakref.certify.registry import CHECKS, FAMILIES, Case, Check, chosen
+from leakref.certify.choice import chosen
+from leakref.certify.registry import CHECKS, FAMILIES, Case, Check
 from leakref.certify.statistics import FALSE_ALARMS, share
 from leakref.certify.variants import VARIANTS
 from leakref.certify.verdict import Finding, Verdict
@@ -79,7 +80,7 @@ def source_digest() -> str:
     """SHA-256 of the chain, the checks and what they lean on, faults, variants, this file and the golden set."""
     here = Path(__file__).parent
     judges = ("cubes", "expected", "judging", "statistics", "registry", "subject", "inprocess", "declaration",
-              "verdict", "faults", "variants", "strength", "../altered")
+              "verdict", "choice", "faults", "variants", "strength", "../altered")
     sources = [*(here / f"{name}.py" for name in judges), *sorted((here / "checks").glob("*.py"))]
     golden = resources.files("leakref._golden").joinpath("v1", "manifest.json").read_bytes()
     return hashlib.sha256(b"\0".join([*(path.read_bytes() for path in sources), golden,

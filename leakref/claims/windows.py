@@ -17,6 +17,8 @@ from leakref.claims.words import (STATISTICS, WINDOWS, Reading, Sample, above, a
                                   random, smaller)
 from leakref.window import Window
 
+__all__ = ["lobes"]
+
 _BINS = 280  # of the paper's L = 10, T = 20
 _FAR = 64.0
 

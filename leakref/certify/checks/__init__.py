@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import importlib
 
+from leakref.certify.registry import CHECKS, FAMILIES, Check
+
 __all__ = ["load"]
 
 
-def load() -> None:
-    """Import every family."""
-    from leakref.certify.registry import FAMILIES
-
+def load() -> dict[str, Check]:
+    """Every check by id, all families imported."""
     for family in FAMILIES:
         importlib.import_module(f"leakref.certify.checks.{family}")
+    return CHECKS

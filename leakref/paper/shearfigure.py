@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from leakref.ensemble import Ensemble
 from leakref.figures import COLOURS, WINDOW_WORDS, figure, styled
-from leakref.shear import DIRECTIONS, PROFILES, Sheared, inferred
+from leakref.paper.shear import DIRECTIONS, PROFILES, Sheared, inferred
 
 __all__ = ["shear_figure"]
 

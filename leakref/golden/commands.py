@@ -58,11 +58,11 @@ def run_verify(wanted: Sequence[str], number: int, place: Path | None, *, full: 
         raise LeakrefError("golden", f"no route named {route!r}", "choose A (surface and FFT) or B (closed form)")
     report = lint(golden)
     if not report.failures:
-        from leakref import goldenmaking
+        from leakref.golden import making
 
         kept = folder(work) if full or wanted else None
-        with progress_bar("golden entries", len(goldenmaking.looked_at(golden, full or bool(wanted), wanted))) as step:
-            report = goldenmaking.verify(golden, full=full, wanted=wanted, route=route, work=kept, workers=workers,
+        with progress_bar("golden entries", len(making.looked_at(golden, full or bool(wanted), wanted))) as step:
+            report = making.verify(golden, full=full, wanted=wanted, route=route, work=kept, workers=workers,
                                          step=step)
     _shown("verify", report, json, report.ok, full=full)
     return 0 if report.ok else 1 if report.failures else NOTHING_TO_JUDGE
@@ -70,13 +70,13 @@ def run_verify(wanted: Sequence[str], number: int, place: Path | None, *, full: 
 
 def run_regenerate(wanted: Sequence[str], number: int, place: Path | None, *, work: Path, workers: int,
                    json: bool) -> bool:
-    """Whether nothing differs that was not named; see `goldenmaking.regenerate`."""
-    from leakref import goldenmaking
+    """Whether nothing differs that was not named; see `making.regenerate`."""
+    from leakref.golden import making
 
     target = place or Path(str(locate(number)))
     folder(work)
-    with progress_bar("golden entries", len(wanted) or len(goldenmaking.ids(*("vectors", "analytic")))) as step:
-        rows, settled = goldenmaking.regenerate(wanted, target, work=work, workers=workers, step=step)
+    with progress_bar("golden entries", len(wanted) or len(making.ids(*("vectors", "analytic")))) as step:
+        rows, settled = making.regenerate(wanted, target, work=work, workers=workers, step=step)
     report = lint(Golden(target)) if settled else Report([], 0)
     ok = settled and not report.failures
     if json:

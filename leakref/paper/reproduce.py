@@ -16,7 +16,7 @@ from leakref import runs
 from leakref._output import console, dump, envelope, folder, progress_bar, write_whole
 from leakref.cases import Configuration, configurations
 from leakref.ensemble import Ensemble
-from leakref.shear import DIRECTIONS, Inferred, Sheared, answer, inferred, sheared
+from leakref.paper.shear import DIRECTIONS, Inferred, Sheared, answer, inferred, sheared
 from leakref.shell import Note
 
 __all__ = ["run", "table"]
@@ -97,7 +97,7 @@ def _record(e: Ensemble) -> dict[str, Any]:
 
 def _draw(out: Path, ensembles: Sequence[Ensemble], realizations: int, everything: bool) -> list[Path]:
     from leakref.figures import save
-    from leakref.paperfigures import draw_illustrations, draw_results
+    from leakref.paper.figures import draw_illustrations, draw_results
 
     drawn = draw_results(out, [e for e in ensembles if not isinstance(e.configuration, Sheared)], realizations)
     if everything:
@@ -105,7 +105,7 @@ def _draw(out: Path, ensembles: Sequence[Ensemble], realizations: int, everythin
     of_shear = [e for e in ensembles if isinstance(e.configuration, Sheared)]
     paths = [path for one in drawn for path in one["files"]]
     if of_shear:
-        from leakref.shearfigure import shear_figure
+        from leakref.paper.shearfigure import shear_figure
 
         words = f"sheared currents by NSP, {realizations} realisation{'s' * (realizations > 1)}"
         paths += save(shear_figure(of_shear, words), out / "figure_shear")

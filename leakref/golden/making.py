@@ -28,8 +28,8 @@ from leakref.decisions import DECISIONS
 from leakref.ensemble import Ensemble
 from leakref.golden import (MARGIN, SCHEMA_VERSION, SETS, Entry, Failure, Golden, Report, agreed_digits, compare,
                             digest, entry_digest, tolerance)
-from leakref.goldenstages import STAGES, UNFLAGGED, plain, softness, velocity_conditioning
-from leakref.goldenvectors import VECTORS, Vector
+from leakref.golden.stages import STAGES, UNFLAGGED, plain, softness, velocity_conditioning
+from leakref.golden.vectors import VECTORS, Vector
 from leakref.shell import Extraction, Note
 from leakref.spectrum import Spectrum, fourier
 from leakref.synthesis import synthesize
@@ -355,7 +355,7 @@ def _resumed(identifier: str, work: Path | None, make: Callable[[], dict[str, An
 def _own_digest() -> str:
     here = Path(__file__).parent
     return hashlib.sha256(b"\0".join((here / f"{name}.py").read_bytes() for name in
-                                     ("golden", "goldenmaking", "goldenstages", "goldenvectors"))).hexdigest()
+                                     ("__init__", "making", "stages", "vectors"))).hexdigest()
 
 
 # ---------------------------------------------------------------- writing
@@ -447,7 +447,7 @@ def regenerate(wanted: Sequence[str], folder: Path, *, work: Path | None = None,
     for w in wanted:
         if not meant[w]:
             raise LeakrefError("golden.regenerate", f"no golden value is called {w!r}",
-                               "define it in leakref/goldenvectors.py first; ids are listed in the manifest")
+                               "define it in leakref/golden/vectors.py first; ids are listed in the manifest")
     chosen = list(dict.fromkeys([*exact, *matching])) if wanted else [i for i in possible if i in old]
     archived = {v.id: v.archived for members in VECTORS.values() for v in members}
     rows, beside = [], dict(old)

@@ -15,9 +15,9 @@ from rich.table import Table
 from leakref import runs
 from leakref._base import LeakrefError
 from leakref._output import console, dump, envelope, folder, progress_bar, write_whole
-from leakref.advice import advice
-from leakref.plan import GRAVITY, Campaign, Expected, Plan, default_realizations, expected, plan, swept, work
-from leakref.quantities import number, quantity
+from leakref.planning.advice import advice
+from leakref.planning.plan import GRAVITY, Campaign, Expected, Plan, default_realizations, expected, plan, swept, work
+from leakref.planning.quantities import number, quantity
 
 __all__ = ["PARAMETERS", "parse_sweep", "run"]
 
@@ -150,7 +150,7 @@ def _write(out: Path, found: Plan, record: Mapping[str, Any], name: str, values:
            sweeps: Sequence[Mapping[tuple[str, str], Expected]]) -> list[Path]:
     """Everything to the folder; the pictures' paths."""
     from leakref.figures import save
-    from leakref.planfigure import plan_figure, sweep_figure
+    from leakref.planning.figures import plan_figure, sweep_figure
 
     write_whole(out / "plan.json", lambda path: path.write_text(dump(record) + "\n", encoding="utf-8"))
     _table(out / "plan.csv", [({}, e) for e in found.ways.values()])

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter, ScalarFormatter
 
 from leakref.figures import COLOURS, METHOD_WORDS, WINDOW_WORDS, figure, styled
-from leakref.plan import Expected, Plan
+from leakref.planning.plan import Expected, Plan
 
 __all__ = ["plan_figure", "sweep_figure"]
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from leakref.plan import Campaign, Expected, Plan
+from leakref.planning.plan import Campaign, Expected, Plan
 
 __all__ = ["SHARE", "advice", "ranges"]
 

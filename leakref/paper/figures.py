@@ -80,7 +80,7 @@ def draw_results(out: Path, results: Sequence[Result], realizations: int) -> lis
 
 def draw_illustrations(out: Path) -> list[dict[str, Any]]:
     """The figures of the paper that show no results: `labels` there, `files` here."""
-    from leakref.illustrations import ILLUSTRATIONS
+    from leakref.paper.illustrations import ILLUSTRATIONS
 
     return [{"labels": (label,), "files": save(draw(), out / f"figure_{name}")}
             for label, (name, draw) in ILLUSTRATIONS.items()]

@@ -5,7 +5,7 @@ language. An entry has an id for ever, inputs, outputs, and for each output how 
 
 **Tolerance.** One formula, `tolerance`: a margin of 8 times the rounding of float64, 2^-52, times the conditioning that
 the entry states: by how much, to first order and in the output's own unit, an output moves if every rounding on the
-way is one unit of 2^-52. It is computed when an entry is made (`leakref.goldenmaking`), never chosen. Whole numbers
+way is one unit of 2^-52. It is computed when an entry is made (`leakref.golden.making`), never chosen. Whole numbers
 and phases have conditioning 0: they are compared for equality.
 
 NaN equals nothing. Where there is no number the golden value is null and gives its reason.
@@ -103,7 +103,7 @@ class Entry:
 
     @property
     def stage(self) -> str:
-        """What of the chain it is about; a key of `goldenstages.STAGES`, or realization or ensemble."""
+        """What of the chain it is about; a key of `golden.stages.STAGES`, or realization or ensemble."""
         return str(self.record["stage"])
 
     @cached_property
