@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from itertools import combinations
+from importlib.resources import files
+from itertools import combinations, product
 
 import numpy as np
 import pytest
@@ -12,9 +13,15 @@ from test_plan import CAMPAIGN, made
 from test_shear_case import SHEARED, measured
 from typer.testing import CliRunner
 
-from leakref import figures
+from leakref import bench, figures
 from leakref.cases import CASES
 from leakref.chain import analyse
+from leakref.certify import bias
+from leakref.claims import CLAIMS
+from leakref.claims.pictures import decisions_figure, picture
+from leakref.claims.registry import Finding
+from leakref.claims.stored import stored_claims, stored_decisions
+from leakref.claims.words import Reading, Tally
 from leakref.cli import app
 from leakref.dispersion import velocity_resolutions
 from leakref.figures import extraction_figure, figure, result_figure, screening_figure
@@ -23,13 +30,15 @@ from leakref.paper.figures import RESULTS, stored
 from leakref.planning.plan import Plan
 from leakref.planning.figures import plan_figure, sweep_figure
 from leakref.screen import screen
+from leakref.track import history
+from leakref.track.page import curves_figure, levels_figure, versions
 from leakref.paper.shearfigure import shear_figure
 
 PAPER = {"fig:leakage_lobes", "fig:spectrum_examples", "fig:leakage_illustration2D", "fig:cylinderIllustration",
          "fig:spec_ex", "fig:Ang_Dang", "fig:peakedness", "fig:video_duration", "fig:ConstCurr", "fig:ConstCurr_rot30",
          "fig:DSV_win_comp_results", "fig:ex_NSP_vs_LS"}
 """The labels of all figure environments of the paper."""
-UNITLESS = ("pixels", "bins", "peak", "largest", "°", "depth", "log")
+UNITLESS = ("pixels", "bins", "peak", "largest", "°", "depth", "log", "version", "comparison")
 
 
 def unreadable(drawing):
@@ -38,7 +47,8 @@ def unreadable(drawing):
     renderer = drawing.canvas.get_renderer()
     texts, found = [], []
     for ax in drawing.axes:
-        if not ax.axison:
+        texts += [text for text in ax.texts if text.get_visible()] if ax.get_visible() else []
+        if not (ax.axison and ax.get_visible()):
             continue
         shared_x = any(other.get_xlabel() for other in ax.get_shared_x_axes().get_siblings(ax))
         shared_y = any(other.get_ylabel() for other in ax.get_shared_y_axes().get_siblings(ax))
@@ -152,6 +162,74 @@ def test_the_figure_of_case_shear_can_be_read():
         e = measured(c, c.truth + 0.02 * rng.standard_normal((3, *c.truth.shape)))
         found += [e, measured(c, c.truth).__class__(c, "box", "nsp", c.wavenumbers, e.velocities, e.notes)]
     assert unreadable(shear_figure(found, "sheared currents by NSP, 3 realisations")) == []
+
+
+def as_read(claim):
+    """A finding in the words and figures of the stored result, with made-up margins behind its readings."""
+    rng = np.random.default_rng(2)
+    readings = []
+    for kept in claim["readings"]:
+        choices = dict(part.split(": ", 1) for part in kept["reading"].split(", ") if ": " in part)
+        parts = kept["figure"] if isinstance(kept["figure"], dict) else {}
+        names = [name for name, value in parts.items() if isinstance(value, dict)] or (
+            ["comparison"] if "mean_margin" in parts else [])
+        tallies = {}
+        for name in names:
+            margin, error = rng.standard_normal((2, 30)) * [[0.1], [0.03]]
+            error = np.abs(error)
+            tallies[name] = Tally(np.linspace(0.4, 3.4, 30), margin, error, margin > 2 * error, margin < -2 * error)
+        readings.append(Reading(choices, kept["holds"], kept["figure"], tallies))
+    return Finding(CLAIMS[claim["id"]], tuple(readings))
+
+
+@pytest.mark.parametrize("name", [name if name in ("N4", "A12", "W9", "W7") else
+                                  pytest.param(name, marks=pytest.mark.slow) for name in CLAIMS])
+def test_the_picture_of_a_claim_can_be_read(name):
+    (kept,) = (claim for claim in stored_claims()["claims"] if claim["id"] == name)
+    assert unreadable(picture(as_read(kept))) == []
+
+
+def test_the_picture_of_the_decisions_can_be_read():
+    assert unreadable(decisions_figure(stored_decisions())) == []
+
+
+def test_figures_of_a_history_can_be_read():
+    shown = versions(history.read(files("leakref._golden").joinpath("history.jsonl")).entries)
+    assert len(shown) > 1
+    for case in dict.fromkeys(key[0] for key in shown[-1].series):
+        assert unreadable(levels_figure(shown, case)) == [], case
+        assert unreadable(curves_figure(shown, case)) == [], case
+    many = shown * 8
+    assert unreadable(levels_figure(many, case)) == []
+
+
+@pytest.fixture
+def drawn(monkeypatch):
+    """The figures that are written while a test runs."""
+    kept = []
+    monkeypatch.setattr(figures.Figure, "savefig", lambda self, where, **how: kept.append(self) or (
+        where.write_bytes(b"x") if hasattr(where, "write_bytes") else where.write(b"x")))
+    return kept
+
+
+def test_the_figure_of_the_timings_can_be_read(drawn, tmp_path):
+    names = ("components of a sea", "spectrum by the FFT", "spectrum in closed form", "NSP of a shell",
+             "one realisation, both windows and methods", "nothing against it")
+    rows = [bench.Row(name, 10.0 ** -(n % 4), "the same, written out in NumPy for one core",
+                      3.0 * 9**n if n < 5 else None, 0.4, "memory") for n, name in enumerate(names)]
+    bench._draw(rows, tmp_path)
+    assert unreadable(drawn[0]) == []
+
+
+def test_the_figure_of_the_bias_can_be_read(drawn):
+    found = []
+    for sea, scale in product(bias.SEAS.values(), (1.0, 4.0)):
+        k = np.array(sea.wavenumbers)
+        error = 0.05 / k
+        found.append(bias.Bias(sea, scale, "nsp", k, error, error / 2, error / 3, error / 4, sea.cube(0).resolutions,
+                               3.0, (2.5, 3.5), 8))
+    assert bias.figure(found) == b"x"
+    assert unreadable(drawn[0]) == []
 
 
 def test_the_command_draws_all_of_them_from_the_golden_set(tmp_path, monkeypatch):

@@ -10,14 +10,15 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from leakref import LeakrefError, Scales, ensemble, plan, runs
-from leakref.planning.advice import advice, ranges
+from leakref import LeakrefError, Scales, ensemble, runs
 from leakref.cases import configurations
 from leakref.cli import app
 from leakref.ensemble import Ensemble
 from leakref.golden import Golden
-from leakref.planning.plan import GRAVITY, Campaign, Expected, Flight, Plan, expected
+from leakref.planning import plan
+from leakref.planning.advice import advice, ranges
 from leakref.planning.command import parse_sweep
+from leakref.planning.plan import GRAVITY, Campaign, Expected, Flight, Plan, expected
 from leakref.planning.quantities import number, quantity
 
 WAVELENGTH = 20.0

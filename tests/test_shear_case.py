@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from leakref import LeakrefError, ProfileCurrent, runs, shear
+from leakref import LeakrefError, ProfileCurrent, runs
+from leakref.paper import shear
 from leakref.cases import CASES, configurations
 from leakref.cli import app
 from leakref.dispersion import intrinsic_frequency

@@ -104,7 +104,7 @@ def _list(finding: Finding) -> Figure:
         for row, reading in enumerate(finding.readings):
             ax.text(0.0, 1 - (row + 0.5) / len(finding.readings), _lines(reading), transform=ax.transAxes, va="center",
                     color={True: COLOURS[2], False: COLOURS[1], None: "0.4"}[reading.holds])
-        drawing.suptitle("\n".join(textwrap.wrap(_title(finding), 100)), fontsize=9)
+        drawing.suptitle("\n".join(textwrap.wrap(_title(finding), 100 if of_windows else 66)), fontsize=9)
     return drawing
 
 
@@ -123,7 +123,7 @@ def _transforms(ax: Any) -> None:
         ax.axhline(level, color="0.5", lw=0.8, ls="--")
     ax.set_ylim(1e-6, 1.5)
     ax.set_xlabel("offset in bins")
-    ax.set_ylabel("|transform|")
+    ax.set_ylabel("|transform| / its largest value")
     ax.legend(loc="upper right")
 
 
@@ -144,7 +144,7 @@ def decisions_figure(result: dict[str, Any]) -> Figure:
     rows = {method: found for method, found in rows.items() if found}
     most = max(map(len, rows.values()))
     with mpl.rc_context({"font.size": 8, "axes.titlesize": 10}):
-        drawing, axes = figure(1, len(rows), width=7.6 * len(rows), height=max(2.0, 0.5 + 0.29 * most), sharex=True)
+        drawing, axes = figure(1, len(rows), width=7.6 * len(rows), height=max(2.0, 0.5 + 0.33 * most), sharex=True)
         for ax, (method, variants) in zip(axes[0], rows.items(), strict=True):
             for line, (_, _, members) in enumerate(variants):
                 _shift_lines(ax, line, members)
@@ -156,6 +156,7 @@ def decisions_figure(result: dict[str, Any]) -> Figure:
                 ax.axvline(level, color="0.4", lw=0.9, ls=look, zorder=0)
             ax.set_title(methods[method])
             ax.set_xlabel("shift / smaller resolution")
+            ax.set_ylabel("what is done instead, and the decision (D)")
         _shift_legend(drawing)
         drawing.suptitle("How far the velocities move if a decision is taken otherwise: median, 95th percentile, "
                          f"largest; {result['realizations']} realisations of {len(result['configurations'])} seas")

@@ -126,8 +126,8 @@ def _shear_table(rows: Sequence[Inferred], realizations: int) -> Table:
         key = (row.profile, DIRECTIONS[row.direction], "all" if row.band == "all" else "k >= 1", row.method)
         by_window.setdefault(key, {})[row.window] = row
     for key, found in by_window.items():
-        cells = [f"{found[name].mean:+.4f} ± {found[name].random:.4f}" for name in ("box", "hann")]
-        result.add_row(*key, f"{found['box'].true:.4f}", *cells)
+        cells = [f"{found[name].mean:+.3f} ± {found[name].random:.3f}" for name in ("box", "hann")]
+        result.add_row(*key, f"{found['box'].true:.3f}", *cells)
     return result
 
 

@@ -70,12 +70,12 @@ def levels_figure(shown: Sequence[Version], case: str) -> Figure:
             for colour, (low, high) in zip(COLOURS, BANDS, strict=False):
                 _level(ax, shown, key, (low, high), colour)
             ax.set_title(f"{window}, {method}")
+            ax.set_ylabel("mean error / resolution")
             ax.set_ylim(bottom=0)
             ax.set_xlim(-0.5, len(shown) - 0.5)
             ax.grid(alpha=0.25)
             ax.set_xticks(range(len(shown)), [one.entry.label for one in shown],
-                          rotation=30 if len(shown) > 4 else 0, ha="right" if len(shown) > 4 else "center")
-        axes[row, 0].set_ylabel("mean error / resolution")
+                          rotation=90 if len(shown) > 4 else 0)
     for ax in axes[-1]:
         ax.set_xlabel("version")
     _legend(drawing, axes)
@@ -134,11 +134,11 @@ def curves_figure(shown: Sequence[Version], case: str) -> Figure:
                             ls=("-", "--")[n % 2], label=one.entry.label)
                     ax.set_ylim(np.nanmin(series.bias) / 2, max(np.nanmax(series.bias), series.resolution.max()) * 1.5)
             ax.set_yscale("log")
+            ax.set_ylabel("mean error / $c_0$")
             ax.set_title(f"{window}, {method}")
             ax.grid(alpha=0.25)
-        axes[row, 0].set_ylabel("mean error / c0")
     for ax in axes[-1]:
-        ax.set_xlabel("k / k0")
+        ax.set_xlabel("$k$ / $k_0$")
     _legend(drawing, axes)
     return drawing
 
