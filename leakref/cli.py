@@ -143,8 +143,9 @@ def scaffold(
 
 @command(JUDGE)
 def explain(
-    identifier: Annotated[str, typer.Argument(metavar="ID", help="Of a check, fault, variant, claim, decision, golden "
-                                                                 "value.")],
+    identifier: Annotated[str | None, typer.Argument(metavar="[ID]", help="Of a check, fault, variant, claim, "
+                                                                          "decision, golden value. None prints which "
+                                                                          "there are.")] = None,
     json: Json = False,
 ) -> bool:
     """What an id stands for, in words: why a check is there, what a fault is, how a claim is tested."""
@@ -192,7 +193,8 @@ def export(
     case: Annotated[str, typer.Argument(help="One configuration, as in `leakref reproduce --list`.")],
     out: Annotated[Path, typer.Option(help="File to write.")],
     realization: Annotated[int, typer.Option(min=0, help="Which realisation.")] = 0,
-    format: Annotated[str, typer.Option(help="npz, mat (v5) or netcdf.")] = "npz",
+    format: Annotated[str | None, typer.Option(help="npz, mat (v5) or netcdf; default: as the file's name says, else "
+                                                    "npz.")] = None,
     peak_wavenumber: Annotated[float | None, typer.Option(help="k0 in rad/m, with --gravity: SI units.")] = None,
     gravity: Annotated[float | None, typer.Option(help="In m/s2, with --peak-wavenumber.")] = None,
     json: Json = False,
@@ -292,6 +294,8 @@ def claims(
                                                       "matters (an hour or more; goes on where it stopped).")] = False,
     realizations: Annotated[int | None, typer.Option(min=2, help="How many of each configuration; default 100, with "
                                                                  "--decisions 20.")] = None,
+    judged: Annotated[int | None, typer.Option("--judged-with", min=2, help="With --decisions: how many for the claims "
+                                               "judged again; default as many.")] = None,
     place: Annotated[Path, typer.Option("--folder", help="Where realisations are kept, as by reproduce --out.")
                      ] = Path("leakref-results"),
     figures: Annotated[bool, typer.Option("--figures", help="A picture of each claim, in the folder.")] = False,
@@ -307,8 +311,9 @@ def claims(
     if decisions:
         from leakref.claims.decisionscommand import run as run_decisions
 
-        return run_decisions(ids or [], realizations=realizations or 20, place=place, figures=figures, out=out,
-                             workers=workers or os.cpu_count() or 1, full=full, json=json)
+        return run_decisions(ids or [], realizations=realizations or 20, judged=judged or realizations or 20,
+                             place=place, figures=figures, out=out, workers=workers or os.cpu_count() or 1, full=full,
+                             json=json)
     from leakref.claims.command import run
 
     return run(ids or [], realizations=realizations or 100, place=place, figures=figures, out=out,

@@ -17,8 +17,10 @@ __all__ = ["explained", "run"]
 Explanation = dict[str, Any]
 
 
-def run(identifier: str, *, json: bool = False) -> bool:
-    """Print what `identifier` stands for. Raises LeakrefError, naming those that come close."""
+def run(identifier: str | None, *, json: bool = False) -> bool:
+    """Print what `identifier` stands for, or what there is. Raises LeakrefError, naming those that come close."""
+    if identifier is None:
+        return _list(json=json)
     found = explained(identifier)
     if json:
         print(dump(envelope("explain", True, **found)))
@@ -38,16 +40,27 @@ def explained(identifier: str) -> Explanation:
         found = look(identifier)
         if found is not None:
             return found
-    near = get_close_matches(identifier, list(_names()), 4, 0.5)
+    near = get_close_matches(identifier, list(dict.fromkeys(_names())), 4, 0.5)
     raise LeakrefError("explain", f"nothing is called {identifier!r}",
-                       f"did you mean {', '.join(near)}?" if near else "ids are those of checks, faults, variants, "
-                       "claims (A4), decisions (D4) and golden values")
+                       f"perhaps {' or '.join(near)} is meant" if near else "ids are those of checks, faults, "
+                       "variants, claims (A4), decisions (D4) and golden values; without one they are listed")
 
 
 def _text(value: Any) -> str:
     if isinstance(value, dict):
         return ", ".join(f"{name} = {_text(item)}" for name, item in value.items())
     return ", ".join(map(_text, value)) if isinstance(value, list | tuple) else str(value)
+
+
+def _list(*, json: bool) -> bool:
+    """All ids there are, but for those of the golden values (`golden/v1/manifest.json`)."""
+    ids = list(dict.fromkeys(_names()))
+    if json:
+        print(dump(envelope("explain", True, ids=ids)))
+    else:
+        Console().print("[dim]Checks and their families, faults, variants, claims, decisions:[/]\n"
+                        + escape(", ".join(ids)))
+    return True
 
 
 def _names() -> Iterator[str]:

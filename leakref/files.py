@@ -33,7 +33,8 @@ JITTER = 1e-3
 """How far, in spacings, a coordinate may be from its place (float32 coordinates are off by 1e-4)."""
 _DENSEST = 1032  # deflate shrinks no further: what claims to hold more than this many times its bytes lies
 _WAVES = ("kx", "ky", "omega", "amplitude", "phase")
-_KNOWN = ("eta", "x", "y", "t", "gravity", *_WAVES, "current", "peak_wavenumber", "units", "spacing")
+_KNOWN = ("eta", "x", "y", "t", "gravity", *_WAVES, "current", "peak_wavenumber", "units", "spacing",
+          "dx", "dy", "dt")
 _METRES, _SECONDS = {"m", "metre", "metres", "meter", "meters"}, {"s", "sec", "second", "seconds"}
 
 
@@ -210,6 +211,8 @@ def _kind(path: Path, start: bytes) -> tuple[str, Callable[[Path, Sequence[str]]
         return "mat", _read_mat
     reasons = [(not start, "is empty", "export it again"),
                (start.startswith(b"MATLAB 7.3"), "is a MATLAB 7.3 file", "save it with save(..., '-v7') in MATLAB"),
+               (start.startswith((b"# Created by Octave", b"Octave-1")), "is in a format of Octave's own",
+                "save it with save -v7 in Octave"),
                (start.startswith(b"CDF"), "is a classic NetCDF file", "convert it with nccopy -k nc4 IN OUT"),
                (start[:1] == b"\x80", "is a pickle, which is never loaded: it could run anything",
                 "save the arrays with numpy.savez")]
@@ -376,8 +379,10 @@ def _cube(path: Path, raw: dict[str, Any], spacing: Sequence[float] | None, axes
             steps.append(float(spacing[axis]))
         elif name in raw:
             steps.append(_step(path, name, raw[name], eta.shape, axis))
+        elif f"d{name}" in raw:
+            steps.append(_number(path, f"d{name}", raw[f"d{name}"]))
         else:
-            _refuse(path, f"lacks the coordinate {name}", "store it, or pass --spacing dx,dy,dt")
+            _refuse(path, f"lacks the coordinate {name}", f"store it or d{name}, or pass --spacing dx,dy,dt")
     if spacing is not None and any(name in raw for name in "xyt"):
         notes.append("--spacing was taken instead of the file's coordinates")
     try:

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from leakref import blocks, files, screen
@@ -32,12 +33,14 @@ KEPT = 2**30
 """Bytes of spectrum kept of such a cube where no wavenumbers are asked for."""
 SMALLEST = 4
 """The first wavenumber by default, in dk: its shell keeps clear of the bins into which a Hann window spreads a mean."""
+_SUFFIXES = {".mat": "mat", ".nc": "netcdf", ".npz": "npz"}
 _PER_LENGTH = {"si": "rad/m", "scaled": "k0", "given": "rad per length"}
 
 
-def export(case: str, *, realization: int, format: str, out: Path, peak_wavenumber: float | None,
+def export(case: str, *, realization: int, format: str | None, out: Path, peak_wavenumber: float | None,
            gravity: float | None, json: bool) -> bool:
     """Write one realisation of a paper case with its truth to `out`; returns True. Raises LeakrefError."""
+    format = format or _SUFFIXES.get(out.suffix.lower(), "npz")
     if format not in files.FORMATS:
         raise LeakrefError("export", f"no format is called {format!r}", f"choose one of {', '.join(files.FORMATS)}")
     chosen = configurations([case])
@@ -77,8 +80,9 @@ def parse_numbers(option: str, text: str, count: int | None = None) -> list[floa
     except ValueError:
         values = []
     if not values or (count is not None and len(values) != count) or not np.isfinite(values).all():
+        example = "0.4,0.5,0.6" if count is None else ",".join(["0.5", "0.5", "0.2"][:count])
         raise LeakrefError("extract", f"{option} {text} is not {count or 'a list of'} finite numbers",
-                           f"separate them by commas, as in {option} {','.join(['0.5', '0.5', '0.2'][: count or 3])}")
+                           f"separate them by commas, as in {option} {example}")
     return values
 
 
@@ -168,7 +172,9 @@ def extract(file: Path, *, window: str, method: str, wavenumbers: str | None, sc
     if screened is not None:
         show.print(_summary(screened), soft_wrap=True, highlight=False)
     if out is not None:
-        console().print(f"[dim]table (JSON, CSV, NetCDF) and figures in {out}[/dim]", soft_wrap=True)
+        there = ", ".join(kind for kind, name in (("JSON", "json"), ("CSV", "csv"), ("NetCDF", "nc"))
+                          if (out / f"extract.{name}").exists())
+        console().print(f"[dim]table ({there}) and figures in {escape(str(out))}[/dim]", soft_wrap=True)
     return ok
 
 
@@ -304,7 +310,7 @@ def _write(out: Path, record: dict[str, Any], found: Extraction, flags: list[lis
     try:
         library = files.netcdf_library()
     except LeakrefError as error:
-        console().print(f"no extract.nc was written: {error}", soft_wrap=True)
+        console().print(escape(f"no extract.nc was written: {error}"), soft_wrap=True)
         return
     metric = cube.units == "si"
     unit = {"wavenumber": "m-1" if metric else "1", "leaked_share": "1"}

@@ -11,8 +11,10 @@ import pytest
 from test_commands import leakref as command
 
 from leakref import LeakrefError
+from leakref.certify import commands
 from leakref.certify.certificate import schema
 from leakref.certify.choice import chosen
+from leakref.certify.verdict import Finding, Verdict
 from leakref.explain import explained
 
 ODD = """
@@ -112,7 +114,7 @@ def test_every_kind_of_id_is_explained(identifier, kind):
     found = explained(identifier)
     assert str(found["kind"]).startswith(kind)
     assert len(found) > 3
-    with pytest.raises(LeakrefError, match="did you mean"):
+    with pytest.raises(LeakrefError, match=r"perhaps .* is meant"):
         explained(identifier + "s")
 
 
@@ -120,6 +122,42 @@ def test_explain_prints_words_or_json():
     assert "x and y exchanged" in command("explain", "exchanged-axes").stdout
     assert json.loads(command("explain", "D4", "--json").stdout)["question"]
     assert command("explain", "no-such-thing-at-all").returncode == 2
+    ids = json.loads(command("explain", "--json").stdout)["ids"]
+    assert {"signs", "signs.sea", "exchanged-axes", "bfgs", "A4", "D4"} <= set(ids)
+    assert len(set(ids)) == len(ids)
+
+
+def test_conformance_alone_rejects_no_code(tmp_path):
+    other = command("certify", "fault:narrow-width", "--only", "conformance.extract[nsp-oblong]")
+    assert other.returncode == 1
+    assert "conformance by itself rejects no code" in other.stdout
+    assert "why: Velocities of small cubes" in other.stdout
+    assert "conformance by itself" not in command("certify", "fault:flipped-y", "--only", "signs.sea[to-22.5]").stdout
+
+
+def test_what_was_found_before_an_interruption_is_told(monkeypatch, capsys):
+    def impatient(*args, after_each, **kwargs):
+        for name, verdict in (("signs.a[b]", Verdict.PASS), ("signs.a[c]", Verdict.FAIL)):
+            after_each(Finding(name, "signs", verdict, "off by much"))
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(commands, "certify", impatient)
+    with pytest.raises(KeyboardInterrupt):
+        commands.run(commands.Request("reference", None, only=["signs.aligned"]))
+    said = capsys.readouterr().err
+    assert "after 2 of" in said
+    assert "signs.a[c]: off by much" in said
+
+
+def test_a_diagnosis_that_is_interrupted_leaves_the_findings(monkeypatch, capsys):
+    def impatient(*args, **kwargs):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(commands, "explained", impatient)
+    assert commands.run(commands.Request("fault:flipped-y", None, only=["signs.sea[to-22.5]"])) == 1
+    shown = capsys.readouterr()
+    assert "Interrupted" in shown.err
+    assert "rejected: 1 of 1" in shown.out
 
 
 def test_scaffold_writes_and_says_what_comes_next(tmp_path):

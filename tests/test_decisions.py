@@ -11,7 +11,7 @@ import pytest
 
 from leakref import LeakrefError, fast
 from leakref.cases import CASES, Configuration
-from leakref.claims import decisionscommand, shifts
+from leakref.claims import CLAIMS, decisionscommand, shifts
 from leakref.claims.registry import Claim
 from leakref.claims.shifts import Shifts, moving, rejudged, study, velocities
 from leakref.claims.stored import stored_decision, stored_decisions, turned
@@ -203,6 +203,19 @@ def test_what_is_kept_covers_every_variant_on_every_sea():
     assert turned("W1") == []
 
 
+def test_what_is_kept_judges_every_claim_about_velocities_under_every_variant_that_matters():
+    kept = stored_decisions()
+    judged = {v["id"] for record in kept["decisions"] for v in record["variants"] if v["claims_judged"]}
+    of_windows_or_time = {"W1", "W2", "W3", "W4", "W5", "W6", "W8", "N6"}
+    found = {(claim["id"], claim["variant"]) for claim in kept["claims"]}
+    assert kept["full"]
+    assert found == set(product(set(CLAIMS) - of_windows_or_time, judged))
+    for v in (v for record in kept["decisions"] for v in record["variants"] if VARIANTS[v["id"]].paired):
+        rows = [row["unflagged"] for row in v["rows"] if row["case"] == "all" and row["unflagged"]["shells"]]
+        matters = max((row["resolution"]["largest"] for row in rows), default=0) > 0.1
+        assert (v["id"] in judged) == (matters and not VARIANTS[v["id"]].setting.resampled), v["id"]
+
+
 def test_what_is_kept_is_found_again():
     """The cheapest of the eight seas, and the variants for which nothing need be compiled."""
     ids = ("edge-bins-out", "cut-at-3", "threshold-of-amplitude", "threshold-of-all")
@@ -216,7 +229,7 @@ def test_what_is_kept_is_found_again():
 
 
 def test_command_shows_what_is_kept(capsys, tmp_path):
-    arguments = {"realizations": 20, "place": tmp_path, "workers": 1, "full": False, "out": None}
+    arguments = {"realizations": 20, "judged": 20, "place": tmp_path, "workers": 1, "full": False, "out": None}
     assert decisionscommand.run(["d4"], figures=True, json=True, **arguments)
     shown = json.loads(capsys.readouterr().out)
     assert shown["schema"] == "leakref/claims/1"

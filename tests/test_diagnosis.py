@@ -8,8 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from leakref.altered import altered
 from leakref.certify import faults, strength
-from leakref.certify.diagnosis import ENOUGH, departure, diagnose
+from leakref.certify.certificate import Certificate
+from leakref.certify.diagnosis import ENOUGH, departure, diagnose, explained
 from leakref.certify.faults import FAULTS, implementation
 from leakref.certify.inprocess import InProcess
 from leakref.certify.choice import chosen, judged
@@ -62,6 +64,47 @@ def test_a_code_that_never_says_the_same_twice_is_known_by_what_it_does_wrong(mo
     assert {f.family for f in failed} > {"behaviour"}
     assert said.hypotheses[0].fault == "random-output"
     assert said.hypotheses[0].digits is None
+
+
+def test_the_fault_of_another_algorithm_is_named_by_what_algorithms_have_in_common(monkeypatch):
+    """Half the width of the Gaussian, and lengths an interval short: no digits in common but with waves of a pair."""
+    some = (*FEW, "one-interval-short", "duration-short")
+    monkeypatch.setattr(faults, "FAULTS", {name: FAULTS[name] for name in some})
+    own = tuple(change for name in ("narrow-width", "one-interval-short") for change in FAULTS[name].changes)
+    code = altered(own).chain.reference
+    failed, declared, _ = wrong(code, "recovery", "conformance.extract[nsp-oblong]")
+    said = diagnose(failed, declared)
+    assert [one.fault for one in said.hypotheses] == ["one-interval-short"]
+    assert said.words.startswith("where every algorithm must agree it equals the reference with this fault, to ")
+    alone, declared, _ = wrong(altered(FAULTS["narrow-width"].changes).chain.reference, "conformance.extract")
+    assert diagnose(alone, declared).words.startswith("unexplained")
+
+
+def test_of_a_sound_code_it_is_said_that_it_is_another_algorithm(few):
+    narrow = altered(FAULTS["narrow-width"].changes).chain.reference
+    _, _, findings = wrong(narrow, "recovery.pair", "conformance.extract")
+    found = explained(certificate_of(narrow, findings))
+    assert found.grade == "sound"
+    assert found.explanation.startswith("another algorithm: it differs from the golden values as no fault of the list "
+                                        "does, most in conformance.extract[")
+
+
+def test_axes_are_named_in_whose_frame(few):
+    class Down:
+        def describe(self):
+            return {"y": "down"}
+
+        def extract(self, surface, spacing, wavenumbers, *, gravity, window, method):
+            found = reference.extract(surface, spacing, wavenumbers, gravity=gravity, window=window, method=method)
+            return found[:, ::-1]
+
+    _, _, findings = wrong(Down(), "signs.aligned")
+    said = explained(certificate_of(Down(), findings)).explanation
+    assert said.endswith("(as leakref has it: axes xyt, y up, direction to; declared are y down)")
+
+
+def certificate_of(code, findings):
+    return Certificate("code", "quick", "v1", InProcess(code).declaration.record(), findings)
 
 
 def test_a_code_of_few_keywords_is_diagnosed_on_what_it_offers(few):

@@ -91,6 +91,12 @@ def test_other_windows_and_methods_reach_the_chain(exported):
     assert given["doppler_shift_velocities"] != in_memory("scaled", [1.2]).tolist()
 
 
+def test_the_name_of_the_file_says_its_format(tmp_path):
+    for name, format in (("a.mat", "mat"), ("a.nc", "netcdf"), ("a.npz", "npz"), ("a.dat", "npz")):
+        assert answer("export", CASE, "--realization", 7, "--out", tmp_path / name)["format"] == format
+        files.read(tmp_path / name)
+
+
 def test_export_is_deterministic_and_realisations_differ(exported, tmp_path):
     again = answer("export", CASE, "--realization", 7, "--format", "mat", "--out", tmp_path / "b.mat")
     other = answer("export", CASE, "--realization", 8, "--format", "mat", "--out", tmp_path / "c.mat")

@@ -254,6 +254,12 @@ def with_nan():
     return surface
 
 
+def test_spacings_do_instead_of_coordinates(tmp_path):
+    dx, dy, dt = GRID.spacing
+    found = files.read(as_npz(tmp_path / "a.npz", x=None, y=None, t=None, dx=dx, dy=dy, dt=dt))
+    assert found.grid == GRID
+
+
 X = GRID.samples(0)
 GAP, BACK, TWICE = X.copy(), X[::-1].copy(), X.copy()
 GAP[3] += 0.02 * GRID.spacing[0]
@@ -284,6 +290,8 @@ BAD = {
     "no eta": (lambda p: as_npz(p / "a.npz", eta=None), "no variable eta", r"store the surface as eta\[x, y, t\]"),
     "two axes": (lambda p: as_mat(p / "a.mat", eta=np.ones((5, 6))), "2 axes instead of three", "store eta"),
     "four axes": (lambda p: as_npz(p / "a.npz", eta=np.ones((5, 6, 7, 3))), "4 axes", r"store eta\[x, y, t\]"),
+    "Octave's own": (lambda p: raw(p / "a.mat", b"# Created by Octave 8.4.0\n# name: eta\n"), "of Octave's own",
+                     "save -v7"),
     "no t": (lambda p: as_npz(p / "a.npz", t=None), "lacks the coordinate t", "--spacing"),
     "netcdf without x": (lambda p: as_netcdf(p / "a.nc", x=None, units=("", "", "")), "lacks the coordinate x",
                          "--spacing"),

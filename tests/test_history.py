@@ -150,7 +150,7 @@ def test_names(path):
     assert kept.entry("last").line == 5
     assert kept.entry("v1").line == 5  # of several the last
     assert kept.entry(kept.entries[2].digest[:8]).line == 3
-    with pytest.raises(LeakrefError, match="no entry 'previous'"):
+    with pytest.raises(LeakrefError, match="no entry of the target of the last one, other, before it"):
         kept.entry("previous")  # none before it of the same target
     history.append(path, fields("v4"))
     assert history.read(path).entry("previous").label == "v3"

@@ -18,9 +18,9 @@ from leakref._output import envelope, plain
 from leakref.certify.registry import FAMILIES
 from leakref.certify.verdict import Finding, Verdict
 
-__all__ = ["Certificate", "Known", "junit", "read_known", "schema"]
+__all__ = ["CONFORMANT", "REJECTED", "SOUND", "Certificate", "Known", "junit", "read_known", "schema"]
 
-CONFORMANT, SOUND, REJECTED = "conformant", "sound", "rejected"
+CONFORMANT, SOUND, REJECTED = "conformant", "sound", "rejected"  # grades
 _WRONG = (Verdict.FAIL, Verdict.ERROR, Verdict.TIMEOUT)
 
 

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
+from time import perf_counter
 
 from rich.console import Console
 from rich.markup import escape
@@ -15,13 +16,13 @@ from rich.table import Table
 
 from leakref._base import LeakrefError
 from leakref._output import console, dump, folder, progress_bar, write_whole
-from leakref.certify.certificate import Certificate, junit, read_known, schema
+from leakref.certify.certificate import REJECTED, SOUND, Certificate, junit, read_known, schema
+from leakref.certify.choice import chosen
 from leakref.certify.connect import HarnessBroken, Limits, connect
 from leakref.certify.diagnosis import explained
 from leakref.certify.judge import certify
 from leakref.certify.process import ProcessSubject
-from leakref.certify.choice import chosen
-from leakref.certify.verdict import Verdict
+from leakref.certify.verdict import Finding, Verdict
 from leakref.golden import locate
 
 __all__ = ["Request", "run", "show_list", "show_schema"]
@@ -85,26 +86,48 @@ def run(request: Request, *, json: bool = False) -> int:
     sessions = [connect(request.target, command, limits=limits, keep=request.keep)
                 for _ in range(min(max(1, request.workers), len(checks)))]
     name = request.target or str(request.command)
+    start = perf_counter()
+    seen: list[Finding] = []
     try:
         with progress_bar(f"checks of {name}", len(checks)) as step:
+            def counted(finding: Finding) -> None:
+                seen.append(finding)
+                step()
+
             found = certify(name, sessions, checks, profile=request.profile, golden=request.golden, known=known,
-                            after_each=lambda finding: step())
+                            after_each=counted)
+    except KeyboardInterrupt:
+        _so_far(seen, len(checks))
+        raise
     except HarnessBroken as broken:
         console().print(f"[red]Could not judge:[/] {escape(str(broken))}", soft_wrap=True)
         return 3
     found = _named(found, request)
-    if found.wrong:
-        with progress_bar("faults compared with what fell short", None) as step:
-            found = explained(found, deep=request.deep, after_each=step)
     pictures: list[dict[str, str]] = []
-    if request.profile == "full" and found.grade is not None and not request.only:
-        found, pictures = _biased(found, connect(request.target, command, limits=limits))
+    try:
+        if found.wrong:
+            with progress_bar("faults compared with what fell short", None) as step:
+                found = explained(found, deep=request.deep, after_each=step)
+        if request.profile == "full" and found.grade is not None and not request.only:
+            found, pictures = _biased(found, connect(request.target, command, limits=limits))
+    except KeyboardInterrupt:  # what has been found is not lost
+        console().print("[yellow]Interrupted:[/] what there is so far:")
+    found = replace(found, seconds=perf_counter() - start)
     written = _write(found, request.report, pictures)
     if json:
         print(dump(found.record()))
     else:
-        _print(found, written)
+        _print(found, written, request.only)
     return found.status
+
+
+def _so_far(seen: Sequence[Finding], count: int) -> None:
+    """What was found before somebody lost patience."""
+    wrong = [f for f in seen if f.verdict in (Verdict.FAIL, Verdict.ERROR, Verdict.TIMEOUT)]
+    console().print(f"[yellow]Interrupted[/] after {len(seen)} of {count} findings; {len(wrong)} of them wrong"
+                    + ":" * bool(wrong))
+    for finding in wrong[:_SHOWN]:
+        console().print(f"[red]{finding.verdict}[/] {escape(finding.id)}: {escape(finding.message)}", soft_wrap=True)
 
 
 def _named(found: Certificate, request: Request) -> Certificate:
@@ -152,13 +175,21 @@ def _write_text(text: str, path: Path) -> None:
     path.write_text(text, encoding="utf-8", newline="\n")
 
 
-def _print(found: Certificate, written: Sequence[Path]) -> None:
+def _print(found: Certificate, written: Sequence[Path], only: Sequence[str]) -> None:
     show = Console()
     show.print(_summary(found))
+    reasons = {c.id: c.reason for c, _ in chosen()}
+    colour = "yellow" if found.grade == SOUND else "red"  # it only differs
+    told = set()
     for finding in found.wrong[:_SHOWN]:
         over = "" if finding.over is None else f" ({finding.over:.3g} times the tolerance)"
-        show.print(f"[red]{finding.verdict}[/] [bold]{escape(finding.id)}[/]{over}\n  {escape(finding.message)}\n  "
-                   f"[dim]{escape(finding.repro)}[/]", soft_wrap=True)
+        show.print(f"[{colour}]{finding.verdict}[/] [bold]{escape(finding.id)}[/]{over}\n  {escape(finding.message)}",
+                   soft_wrap=True)
+        check = finding.id.partition("[")[0]
+        if check not in told:  # the same for all cases of a check
+            told.add(check)
+            show.print(f"  [dim]why: {escape(reasons.get(check, ''))}\n  again: {escape(finding.repro)}[/]",
+                       soft_wrap=True)
     if len(found.wrong) > _SHOWN:
         show.print(f"... and {len(found.wrong) - _SHOWN} more; --json or --report has all of them.")
     for row in found.bias:
@@ -174,6 +205,8 @@ def _print(found: Certificate, written: Sequence[Path]) -> None:
     if found.departs_at:
         show.print(f"It departs from the reference at its {found.departs_at}.")
     show.print(_sentence(found), soft_wrap=True)
+    if only and found.grade == REJECTED and all(f.family == "conformance" for f in found.wrong):
+        show.print("Of the checks named by --only: beside all others, conformance by itself rejects no code.")
     for path in written[:1]:
         show.print(f"Page: {path}; beside it {', '.join(other.name for other in written[1:])}", soft_wrap=True)
 

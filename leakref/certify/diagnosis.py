@@ -3,8 +3,9 @@
 Every fault of the list is a hypothesis. The checks that an implementation failed are run again on the reference with
 the fault, and its answers are compared with those of the implementation, one by one. The fault that reproduces them
 best is the diagnosis, if it does so to `ENOUGH` digits and clearly better than the reference without any fault. A code
-of another algorithm has no digits in common with any of them; then `_in_common` looks for a sign, an exchange of axes,
-a lost component, a turn or a factor between its velocities and those of the reference. What neither finds is
+of another algorithm has digits in common with them only in checks whose answer is the same for every algorithm: if all
+that failed leads nowhere, those are compared alone. Then `_in_common` looks for a sign, an exchange of axes, a lost
+component, a turn or a factor between its velocities and those of the reference. What none of this finds is
 unexplained.
 """
 
@@ -23,7 +24,7 @@ import numpy.typing as npt
 
 from leakref._base import FloatArray, LeakrefError
 from leakref.certify import faults
-from leakref.certify.certificate import Certificate
+from leakref.certify.certificate import SOUND, Certificate
 from leakref.certify.declaration import Declaration
 from leakref.certify.inprocess import InProcess
 from leakref.certify.choice import chosen
@@ -43,6 +44,8 @@ _EVIDENCE = 8  # failed checks that are run again
 _WRONG = (Verdict.FAIL, Verdict.ERROR, Verdict.TIMEOUT)
 _STAGES = ("window", "synthesize", "spectrum", "extract")
 _TWICE = "behaviour.deterministic"
+_FOR_ALL = ("recovery.pair", "signs.aligned", "currents.aligned", "leakage.aligned")
+"""Checks of so few waves that other algorithms with the same mistake give the same answers."""
 _FLOOR = 0.02  # in c0: slower velocities of the reference say nothing of a sign
 _USUAL = 0.3  # in c0: digits of slower velocities are counted from here, since optimisers stop at so much of c0
 
@@ -103,8 +106,22 @@ def _stage(finding: Finding) -> str:
 def explained(certificate: Certificate, *, deep: bool = False, after_each: Step = lambda: None) -> Certificate:
     """The certificate with a diagnosis of what fell short and was not known, if anything did; see `diagnose`."""
     said = diagnose(certificate.wrong, certificate.declaration, deep=deep, after_each=after_each)
-    return replace(certificate, diagnosis=[one.record() for one in said.hypotheses], explanation=said.words,
+    words = said.words + _frame(said, certificate.declaration)
+    if not said.hypotheses and certificate.grade == SOUND:
+        farthest = max(certificate.wrong, key=lambda f: f.over or 0.0)
+        words = ("another algorithm: it differs from the golden values as no fault of the list does, most in "
+                 f"{farthest.id}")
+    return replace(certificate, diagnosis=[one.record() for one in said.hypotheses], explanation=words,
                    departs_at=departure(certificate.findings) if certificate.wrong else "")
+
+
+def _frame(said: Diagnosis, declared: Mapping[str, Any]) -> str:
+    """Whose x and y are meant, where that is not the same."""
+    other = [f"{name} {declared[name]}" for name, usual in (("axes", "xyt"), ("y", "up"), ("direction", "to"))
+             if declared[name] != usual]
+    of_frame = any(one.fault in _MAPS or one.fault == "turned" for one in said.hypotheses)
+    return f" (as leakref has it: axes xyt, y up, direction to; declared are {', '.join(other)})" if (
+        other and of_frame) else ""
 
 
 def diagnose(findings: Sequence[Finding], declared: Mapping[str, Any], *, deep: bool = False,
@@ -127,11 +144,16 @@ def diagnose(findings: Sequence[Finding], declared: Mapping[str, Any], *, deep: 
     if not _explains(best, plain) and any(f.id.startswith(_TWICE) for f in findings):  # its numbers are no evidence
         behaviour = [f for f in findings if f.family == "behaviour"]
         best, plain = _tried(_clues(behaviour, declared_as), singles, after_each)
+    where = ""
+    if not _explains(best, plain):
+        for_all = [f for f in findings if f.id.partition("[")[0] in _FOR_ALL]
+        best, plain = _tried(_clues(for_all, declared_as), singles, after_each)
+        where = "where every algorithm must agree it "
     if _explains(best, plain):
         top = best[0][1]
         alike = [Hypothesis("+".join(names), " and ".join(named[name] for name in names), _shown(digits))
                  for names, digits in best if digits >= top - _ALIKE]
-        return Diagnosis(tuple(alike), _sentence(alike))
+        return Diagnosis(tuple(alike), where + _sentence(alike))
     rough = _in_common(clues)
     if rough is not None:
         digits = rough.digits or 0.0

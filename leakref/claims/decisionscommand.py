@@ -23,21 +23,22 @@ __all__ = ["computed", "run", "table"]
 _ALL = "all"
 
 
-def computed(*, realizations: int, place: Path, workers: int, full: bool) -> dict[str, Any]:
+def computed(*, realizations: int, judged: int, place: Path, workers: int, full: bool) -> dict[str, Any]:
     """The study of all variants, and the claims under those that move a velocity by more than 10 % of a resolution.
 
-    `full`: every claim; else those that need no other configurations than the eight. Both go on where they stopped.
+    With `realizations` of each configuration for the study and `judged` for the claims. `full`: every claim; else those
+    that need no other configurations than the eight. Both go on where they stopped.
     """
     parts = folder(place) / "parts"
     with runs.pool(workers) as executor:
         with progress_bar("realisations", realizations * len(CONFIGURATIONS)) as step:
             found = study(realizations=realizations, folder=parts, executor=executor, after_each=step)
         variants = moving(found)
-        with progress_bar("claims", 1) as step:
-            claims = rejudged(variants, list(CLAIMS.values()), realizations=realizations, folder=parts,
-                              executor=executor, ids=None if full else CONFIGURATIONS)
-            step()
-    return envelope("claims", True, realizations=realizations, configurations=CONFIGURATIONS, full=full,
+        with progress_bar("claims", len(CLAIMS)) as step:
+            claims = rejudged(variants, list(CLAIMS.values()), realizations=judged, folder=parts,
+                              executor=executor, ids=None if full else CONFIGURATIONS, after_each=step)
+    return envelope("claims", True, realizations=realizations, judged_realizations=judged,
+                    configurations=CONFIGURATIONS, full=full,
                     decisions=[_decision(id, found, variants, claims) for id in DECISIONS], claims=claims)
 
 
@@ -61,8 +62,8 @@ def _rows(cases: list[list[Shifts]]) -> list[dict[str, Any]]:
         summary(members, _ALL), *(summary([s], s.reference.configuration.id) for s in members))]
 
 
-def run(ids: Sequence[str], *, realizations: int, place: Path, workers: int, figures: bool, out: Path | None,
-        full: bool, json: bool) -> bool:
+def run(ids: Sequence[str], *, realizations: int, judged: int, place: Path, workers: int, figures: bool,
+        out: Path | None, full: bool, json: bool) -> bool:
     """Print what is kept in golden/, or with `out` or `full` compute it; True: an effect is a result, not a failure.
 
     `ids` of decisions: only those are shown. Raises LeakrefError for an unknown one.
@@ -72,7 +73,7 @@ def run(ids: Sequence[str], *, realizations: int, place: Path, workers: int, fig
         raise LeakrefError("claims", f"no decision is called {unknown[0]!r}", f"choose from {', '.join(DECISIONS)}")
     wanted = {id.upper() for id in ids} or set(DECISIONS)
     fresh = full or out is not None
-    result = (computed(realizations=realizations, place=place, workers=workers, full=full) if fresh
+    result = (computed(realizations=realizations, judged=judged, place=place, workers=workers, full=full) if fresh
               else stored_decisions())
     if out is not None:
         write(out, result, ("decisions", "claims"))
@@ -134,18 +135,22 @@ def table(result: dict[str, Any]) -> list[Table]:
 
 
 def _turned(result: dict[str, Any]) -> Table:
-    """Claims of which a reading turns, and how many were judged."""
+    """By variant the claims of which a reading turns, and how many readings; in bold if the verdict is another then."""
     judged, variants = ({claim[key] for claim in result["claims"]} for key in ("id", "variant"))
     shown = Table(title=f"Claims that turn ({len(judged)} claims under {len(variants)} variants, "
-                        f"{result['realizations']} realisations each)", caption_justify="left",
-                  caption="A reading turns if it held and does not, or the reverse. Judged are the variants that move "
-                          "some velocity by more than 10 % of the smaller resolution, and "
+                        f"{result['judged_realizations']} realisations each)", caption_justify="left",
+                  caption="How many readings turn, of all: held and do not, or the reverse; bold: the verdict is "
+                          "another then. Judged are the variants that move some velocity by more than 10 % of the "
+                          "smaller resolution, and "
                           + ("all claims about velocities" if result["full"] else
                              "the claims that need only these seas: " + ", ".join(sorted(judged, key=position))))
-    for name in ("claim", "decision", "instead", "verdict", "then", "readings that turn"):
+    for name in ("", "instead", "claims"):
         shown.add_column(name)
-    for claim in result["claims"]:
-        if claim["flipped"]:
-            shown.add_row(claim["id"], claim["decision"], VARIANTS[claim["variant"]].words, claim["before"],
-                          claim["verdict"], f"{len(claim['flipped'])} of {claim['readings']}")
+    for id, variant in VARIANTS.items():
+        turned = [claim for claim in result["claims"] if claim["variant"] == id and claim["flipped"]]
+        if id in variants:
+            said = (f"{claim['id']} {len(claim['flipped'])}/{claim['readings']}" for claim in turned)
+            shown.add_row(variant.decision, variant.words, ", ".join(
+                f"[bold]{words}[/bold]" if claim["before"] != claim["verdict"] else words
+                for words, claim in zip(said, turned, strict=True)) or "[dim]none[/dim]")
     return shown

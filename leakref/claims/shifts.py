@@ -259,16 +259,18 @@ class Altered(Evidence):
 
 
 def rejudged(variants: Sequence[Variant], claims: Sequence[Claim], *, realizations: int, folder: Path | None,
-             executor: Executor | None, ids: Sequence[str] | None) -> list[dict[str, Any]]:
+             executor: Executor | None, ids: Sequence[str] | None,
+             after_each: Callable[[], object] = lambda: None) -> list[dict[str, Any]]:
     """The claims under each variant, beside what the reference says with as many realisations.
 
     A claim depends on a decision if a reading of it that held does not hold any more, or the reverse. Those that ask
-    for other configurations than `ids`, or for no velocities at all, are left out.
+    for other configurations than `ids`, or for no velocities at all, are left out. Calls `after_each` for every claim.
     """
     results = []
     kept, altered = Evidence(realizations, folder, executor), _Velocities(variants, realizations, folder, executor)
     for claim in claims:
         reference = Altered(kept, ids=ids)
+        after_each()
         try:
             before = claim.judge(reference)
         except NotCovered:

@@ -66,14 +66,16 @@ def _stretches(best: Expected, chosen: npt.NDArray[np.bool_]) -> str:
 def _trust(campaign: Campaign, best: Expected) -> list[str]:
     """Where a single flight stays within the resolution, and where within a share of the current."""
     single = best.bias + 2 * best.random
-    worst = int(np.argmax(np.where(best.trusted, single, -1)))
-    said = ["Trust no wavelength: even tapered, by NSP, bias and twice the random part exceed the smaller velocity "
-            "resolution everywhere. Enlarge the area."]
-    if best.trusted.any():
-        rest = "" if best.trusted.all() else ", not the others"
-        said = [f"Trust wavelengths of {_stretches(best, best.trusted)}{rest}: there a single flight, tapered and by "
-                "NSP, errs by less than the smaller velocity resolution (bias and twice the random part; at most "
-                f"{single[worst]:.2g} m/s, at {best.wavelengths[worst]:.3g} m)."]
+    trusted = best.trusted & (single < (campaign.speed or np.inf))
+    worst = int(np.argmax(np.where(trusted, single, -1)))
+    limit = "the smaller velocity resolution" + " and the current itself" * bool(campaign.speed)
+    said = [f"Trust no wavelength: even tapered, by NSP, bias and twice the random part nowhere stay below {limit}. "
+            "Enlarge the area."]
+    if trusted.any():
+        rest = "" if trusted.all() else ", not the others"
+        said = [f"Trust wavelengths of {_stretches(best, trusted)}{rest}: there a single flight, tapered and by NSP, "
+                f"errs by less than {limit} (bias and twice the random part; at most {single[worst]:.2g} m/s, at "
+                f"{best.wavelengths[worst]:.3g} m)."]
     if campaign.speed:
         small = single <= SHARE * campaign.speed
         where = f"at {_stretches(best, small)}" if small.any() else "nowhere"

@@ -85,6 +85,9 @@ class History:
         found = self._named(name)
         if found is None:
             labels = ", ".join(dict.fromkeys(entry.label for entry in self.lines if entry.label)) or "none"
+            if name == "previous" and self.lines:
+                raise LeakrefError("history", f"{self.path} has no entry of the target of the last one, "
+                                   f"{self.lines[-1].target}, before it", f"name one of the labels: {labels}")
             raise LeakrefError("history", f"{self.path} has no entry {name!r}; there are {labels}",
                                "name one of them, last or previous, or record it first")
         if found.fault:
