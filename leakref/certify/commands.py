@@ -206,7 +206,8 @@ def _print(found: Certificate, written: Sequence[Path], only: Sequence[str]) -> 
         show.print(f"It departs from the reference at its {found.departs_at}.")
     show.print(_sentence(found), soft_wrap=True)
     if only and found.grade == REJECTED and all(f.family == "conformance" for f in found.wrong):
-        show.print("Of the checks named by --only: beside all others, conformance by itself rejects no code.")
+        show.print("Of the checks named by --only: beside all others, conformance by itself rejects no code.",
+                   soft_wrap=True)
     for path in written[:1]:
         show.print(f"Page: {path}; beside it {', '.join(other.name for other in written[1:])}", soft_wrap=True)
 
