@@ -213,6 +213,13 @@ def test_nothing_is_to_be_trusted_beyond_the_resolution():
     assert list(np.flatnonzero(~replace(e, measured=replace(e.measured, velocities=lost)).trusted)) == [5]
 
 
+def test_nothing_is_to_be_trusted_beyond_the_current():
+    slow = replace(CAMPAIGN, speed=0.25)  # errors at the longest wavelengths are larger, if within the resolution
+    assert said(campaign=slow)[2].startswith("Trust wavelengths of 24 to 4.29 m, not the others: ")
+    assert "and the current itself" in said(campaign=slow)[2]
+    assert "current itself" not in said(campaign=replace(CAMPAIGN, speed=0.0))[2]
+
+
 def test_ranges_of_wavelengths():
     assert ranges([9, 8, 7, 6, 5], [True, True, False, True, False]) == [(9, 8), (6, 6)]
     assert ranges([9, 8], [False, False]) == []
