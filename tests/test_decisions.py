@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict, replace
+from importlib.resources import files
 from itertools import product
 
 import numpy as np
@@ -214,6 +215,17 @@ def test_what_is_kept_judges_every_claim_about_velocities_under_every_variant_th
         rows = [row["unflagged"] for row in v["rows"] if row["case"] == "all" and row["unflagged"]["shells"]]
         matters = max((row["resolution"]["largest"] for row in rows), default=0) > 0.1
         assert (v["id"] in judged) == (matters and not VARIANTS[v["id"]].setting.resampled), v["id"]
+
+
+def test_the_guide_says_which_verdicts_turn():
+    claims = stored_decisions()["claims"]
+    turning = {c["id"]: c["decision"] for c in claims if c["flipped"] and c["before"] != c["verdict"]}
+    text = files("leakref").joinpath("guide", "decisions.md").read_text(encoding="utf-8")
+    counted = [len({c[of] for c in claims if c["flipped"] or of != "id"}) for of in ("id", "variant")]
+    assert sorted(turning) == ["N1", "U9", "W9"]
+    assert all(f"{id} (" in text for id in turning)
+    assert f"Of {len({c['id'] for c in claims})} statements" in text
+    assert f"under the {counted[1]} variants that matter, {counted[0]} have a reading that turns" in text
 
 
 def test_what_is_kept_is_found_again():
