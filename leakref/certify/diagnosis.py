@@ -12,7 +12,7 @@ unexplained.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import combinations
@@ -50,6 +50,7 @@ _FLOOR = 0.02  # in c0: slower velocities of the reference say nothing of a sign
 _USUAL = 0.3  # in c0: digits of slower velocities are counted from here, since optimisers stop at so much of c0
 
 Step = Callable[[], object]
+_Names = tuple[str, ...]  # of the faults of a hypothesis
 
 
 @dataclass(frozen=True)
@@ -135,25 +136,11 @@ def diagnose(findings: Sequence[Finding], declared: Mapping[str, Any], *, deep: 
     clues = _clues(findings, declared_as)
     if not clues:
         return Diagnosis((), "")
-    named = {fault.id: fault.words for fault in faults.FAULTS.values()}
-    singles = [(), *((name,) for name in named)]
-    best, plain = _tried(clues, singles, after_each)
-    if not _explains(best, plain) and deep:
-        pairs = [pair for pair in combinations(faults.FAULTS, 2) if _implementation(pair) is not None]
-        best, plain = _tried(clues, [(), *pairs], after_each)
-    if not _explains(best, plain) and any(f.id.startswith(_TWICE) for f in findings):  # its numbers are no evidence
-        behaviour = [f for f in findings if f.family == "behaviour"]
-        best, plain = _tried(_clues(behaviour, declared_as), singles, after_each)
-    where = ""
-    if not _explains(best, plain):
-        for_all = [f for f in findings if f.id.partition("[")[0] in _FOR_ALL]
-        best, plain = _tried(_clues(for_all, declared_as), singles, after_each)
-        where = "where every algorithm must agree it "
-    if _explains(best, plain):
-        top = best[0][1]
-        alike = [Hypothesis("+".join(names), " and ".join(named[name] for name in names), _shown(digits))
-                 for names, digits in best if digits >= top - _ALIKE]
-        return Diagnosis(tuple(alike), where + _sentence(alike))
+    for where, evidence, hypotheses in _attempts(findings, deep):
+        best, plain = _tried(_clues(evidence, declared_as), [(), *hypotheses], after_each)
+        if _explains(best, plain):
+            alike = [_hypothesis(names, digits) for names, digits in best if digits >= best[0][1] - _ALIKE]
+            return Diagnosis(tuple(alike), where + _sentence(alike))
     rough = _in_common(clues)
     if rough is not None:
         digits = rough.digits or 0.0
@@ -161,6 +148,22 @@ def diagnose(findings: Sequence[Finding], declared: Mapping[str, Any], *, deep: 
         like = f"like the reference, but {rough.words} (another algorithm: to {digits:.1f} digits)"
         return Diagnosis((rough,), same if digits >= ENOUGH else like)
     return Diagnosis((), "unexplained: no fault of the list reproduces these answers")
+
+
+def _attempts(findings: Sequence[Finding], deep: bool) -> Iterator[tuple[str, Sequence[Finding], Iterable[_Names]]]:
+    """What to compare with which hypotheses, one after the other, and how to say where it was compared."""
+    singles: list[_Names] = [(name,) for name in faults.FAULTS]
+    yield "", findings, singles
+    if deep:
+        yield "", findings, (pair for pair in combinations(faults.FAULTS, 2) if _implementation(pair) is not None)
+    if any(f.id.startswith(_TWICE) for f in findings):  # its numbers are no evidence
+        yield "", [f for f in findings if f.family == "behaviour"], singles
+    for_all = [f for f in findings if f.id.partition("[")[0] in _FOR_ALL]
+    yield "where every algorithm must agree it ", for_all, singles
+
+
+def _hypothesis(names: _Names, digits: float) -> Hypothesis:
+    return Hypothesis("+".join(names), " and ".join(faults.FAULTS[name].words for name in names), _shown(digits))
 
 
 def _clues(findings: Sequence[Finding], declared: str) -> list[_Clue]:
@@ -176,15 +179,15 @@ def _clues(findings: Sequence[Finding], declared: str) -> list[_Clue]:
     return [found[n] for n in sorted(range(len(found)), key=order.__getitem__)][:_EVIDENCE]
 
 
-Scored = list[tuple[tuple[str, ...], float]]
+Scored = list[tuple[_Names, float]]
 
 
-def _tried(clues: Sequence[_Clue], hypotheses: Sequence[tuple[str, ...]], after_each: Step) -> tuple[Scored, float]:
+def _tried(clues: Sequence[_Clue], hypotheses: Iterable[_Names], after_each: Step) -> tuple[Scored, float]:
     """Hypotheses by digits, best first, and the digits of the empty one, the reference itself.
 
     One after the other the clues are compared; hypotheses that are far behind are not followed further.
     """
-    digits: dict[tuple[str, ...], list[float]] = {names: [] for names in hypotheses}
+    digits: dict[_Names, list[float]] = {names: [] for names in hypotheses}
     for clue in clues:
         for names, seen in digits.items():
             seen += _agreement(clue, names)
@@ -219,7 +222,7 @@ def _sentence(alike: Sequence[Hypothesis]) -> str:
 
 
 @lru_cache(maxsize=4096)
-def _implementation(names: tuple[str, ...]) -> Any:
+def _implementation(names: _Names) -> Any:
     """The reference with faults; None where they cannot be had together."""
     from leakref.altered import altered
     from leakref.chain import reference
@@ -236,7 +239,7 @@ def _implementation(names: tuple[str, ...]) -> Any:
 
 
 @lru_cache(maxsize=4096)
-def _replayed(identifier: str, names: tuple[str, ...], declared: str) -> tuple[Finding, tuple[Call, ...]]:
+def _replayed(identifier: str, names: _Names, declared: str) -> tuple[Finding, tuple[Call, ...]]:
     """What a check finds of the reference with faults, offering no more than is declared, and the answers it had."""
     (check, case), = chosen([identifier])
     subject = InProcess(_implementation(names))
@@ -249,7 +252,7 @@ def _replayed(identifier: str, names: tuple[str, ...], declared: str) -> tuple[F
     return replace(finding, calls=()), tuple(subject.calls)
 
 
-def _agreement(clue: _Clue, names: tuple[str, ...]) -> list[float]:
+def _agreement(clue: _Clue, names: _Names) -> list[float]:
     """Digits to which a hypothesis gives the answers of a clue; beyond those of float64 for what is no number."""
     theirs = clue.finding
     finding, calls = _replayed(theirs.id, names, clue.declared)
