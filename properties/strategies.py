@@ -8,11 +8,14 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
+from importlib import import_module
+from pkgutil import walk_packages
 from typing import Any
 
 import numpy as np
 from hypothesis import HealthCheck, Phase, assume, settings, strategies as st
 
+import leakref
 from leakref import Components, Grid, SeaState, UniformCurrent, aligned_waves
 from leakref.certify.cubes import Cube, polar
 from leakref.dispersion import intrinsic_frequency
@@ -23,6 +26,10 @@ __all__ = ["PROFILES", "Drawn", "currents", "examples", "grids", "offsets", "pai
 
 _COMMON: dict[str, Any] = {"database": None, "deadline": None, "print_blob": True, "report_multiple_bugs": False,
                            "suppress_health_check": [HealthCheck.too_slow, HealthCheck.filter_too_much]}
+for _module in walk_packages(leakref.__path__, "leakref."):
+    # Hypothesis draws constants from the modules that are loaded: from all, so that examples do not depend on what ran
+    if not _module.name.startswith(("leakref.properties", "leakref._golden")):
+        import_module(_module.name)
 PROFILES = {"ci": (settings(derandomize=True, **_COMMON), 1), "thorough": (settings(derandomize=False, **_COMMON), 20)}
 """Settings, and how many times the examples of the quick one: `ci` is the same every time, `thorough` is for nights."""
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 import numpy as np
 import pytest
 
@@ -16,6 +18,15 @@ RECTANGULAR = (Grid((12, 17, 22), (0.9, 0.6, 0.35)), Grid((15, 10, 9), (0.5, 1.1
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--slow", action="store_true", help="also run the tests marked slow")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_cmdline_main(config: pytest.Config) -> None:
+    """All tests take some processes, file by file; tests that are named, benchmarks and debuggers stay in this one."""
+    given = config.option
+    named = given.file_or_dir or given.keyword or given.markexpr or given.benchmark_only or given.usepdb
+    if not named and getattr(given, "numprocesses", 0) is None:
+        given.numprocesses, given.dist = min(os.cpu_count() or 1, 4), "loadfile"
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
