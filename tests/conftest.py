@@ -25,7 +25,8 @@ def pytest_cmdline_main(config: pytest.Config) -> None:
     """All tests take some processes, file by file; tests that are named, benchmarks and debuggers stay in this one."""
     given = config.option
     named = given.file_or_dir or given.keyword or given.markexpr or given.benchmark_only or given.usepdb
-    if not named and getattr(given, "numprocesses", 0) is None:
+    inside = "PYTEST_XDIST_WORKER" in os.environ  # one of them already, which is asked the same
+    if not (named or inside) and getattr(given, "numprocesses", 0) is None:
         given.numprocesses, given.dist = min(os.cpu_count() or 1, 4), "loadfile"
 
 
