@@ -15,8 +15,8 @@ from leakref import chain
 from leakref._base import FloatArray
 from leakref.certify.cubes import Cube
 from leakref.certify.expected import unflagged
-from leakref.certify.judging import FRACTION, vector
 from leakref.certify.inprocess import InProcess
+from leakref.certify.judging import FRACTION, vector
 from leakref.certify.subject import Subject
 from leakref.certify.verdict import Unanswered, Verdict
 

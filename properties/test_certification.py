@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from leakref.certify.pytesting import settle
 from leakref.certify.choice import chosen
+from leakref.certify.pytesting import settle
 from leakref.certify.registry import Case, Check
 from leakref.plugin import ASKED
 from .examined import Examined

@@ -156,7 +156,8 @@ def test_a_diagnosis_that_is_interrupted_leaves_the_findings(monkeypatch, capsys
         raise KeyboardInterrupt
 
     monkeypatch.setattr(commands, "explained", impatient)
-    assert commands.run(commands.Request("fault:flipped-y", None, only=["signs.sea[to-22.5]"])) == 1
+    with pytest.raises(KeyboardInterrupt):  # which is exit status 130
+        commands.run(commands.Request("fault:flipped-y", None, only=["signs.sea[to-22.5]"]))
     shown = capsys.readouterr()
     assert "Interrupted" in shown.err
     assert "rejected: 1 of 1" in shown.out

@@ -10,10 +10,10 @@ import pytest
 from leakref import Components, Grid, LeakrefError
 from leakref.certify import cubes, judging, registry
 from leakref.certify.checks.signs import image
+from leakref.certify.choice import chosen, run_check
 from leakref.certify.cubes import SEA, SHELLS, pair, sea
 from leakref.certify.expected import expected, score, unflagged
 from leakref.certify.inprocess import InProcess
-from leakref.certify.choice import chosen, run_check
 from leakref.certify.registry import CHECKS, FAMILIES, Outcome
 from leakref.certify.statistics import FALSE_ALARMS, TESTS, excess, share
 from leakref.certify.verdict import Unanswered, Verdict

@@ -11,10 +11,10 @@ import pytest
 from leakref.altered import altered
 from leakref.certify import faults, strength
 from leakref.certify.certificate import Certificate
+from leakref.certify.choice import chosen, judged
 from leakref.certify.diagnosis import ENOUGH, departure, diagnose, explained
 from leakref.certify.faults import FAULTS, implementation
 from leakref.certify.inprocess import InProcess
-from leakref.certify.choice import chosen, judged
 from leakref.chain import reference
 
 SOME = ("signs.aligned", "recovery.pair[even-1]", "recovery.pair[odd-2]", "conformance.window", "conformance.surface",

@@ -6,9 +6,9 @@ import pytest
 from leakref import LeakrefError
 from leakref.altered import Change
 from leakref.certify import faults
+from leakref.certify.choice import chosen
 from leakref.certify.faults import FAULTS, Fault, implementation
 from leakref.certify.inprocess import InProcess
-from leakref.certify.choice import chosen
 from leakref.certify.registry import FAMILIES
 from leakref.certify.strength import DISTINCT, _over, fault_record
 from leakref.chain import reference

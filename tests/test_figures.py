@@ -15,8 +15,8 @@ from typer.testing import CliRunner
 
 from leakref import bench, figures
 from leakref.cases import CASES
-from leakref.chain import analyse
 from leakref.certify import bias
+from leakref.chain import analyse
 from leakref.claims import CLAIMS
 from leakref.claims.pictures import decisions_figure, picture
 from leakref.claims.registry import Finding
@@ -25,14 +25,14 @@ from leakref.claims.words import Reading, Tally
 from leakref.cli import app
 from leakref.dispersion import velocity_resolutions
 from leakref.figures import extraction_figure, figure, result_figure, screening_figure
-from leakref.paper.illustrations import ILLUSTRATIONS
 from leakref.paper.figures import RESULTS, stored
-from leakref.planning.plan import Plan
+from leakref.paper.illustrations import ILLUSTRATIONS
+from leakref.paper.shearfigure import shear_figure
 from leakref.planning.figures import plan_figure, sweep_figure
+from leakref.planning.plan import Plan
 from leakref.screen import screen
 from leakref.track import history
 from leakref.track.page import curves_figure, levels_figure, versions
-from leakref.paper.shearfigure import shear_figure
 
 PAPER = {"fig:leakage_lobes", "fig:spectrum_examples", "fig:leakage_illustration2D", "fig:cylinderIllustration",
          "fig:spec_ex", "fig:Ang_Dang", "fig:peakedness", "fig:video_duration", "fig:ConstCurr", "fig:ConstCurr_rot30",

@@ -12,10 +12,10 @@ from pathlib import Path
 import pytest
 from tools import iwave_python, requires
 
+from leakref.certify.choice import chosen
 from leakref.certify.connect import connect
 from leakref.certify.diagnosis import explained
 from leakref.certify.judge import certify
-from leakref.certify.choice import chosen
 
 HERE = Path(__file__).parent / "real_codes"
 SOME = ("signs.sea[to-22.5]", "signs.aligned[to-112.5]", "recovery.pair[odd-1]", "recovery.single[even]",

@@ -10,11 +10,11 @@ import pytest
 from typer.testing import CliRunner
 
 from leakref import LeakrefError, ProfileCurrent, runs
-from leakref.paper import shear
 from leakref.cases import CASES, configurations
 from leakref.cli import app
 from leakref.dispersion import intrinsic_frequency
 from leakref.ensemble import Ensemble
+from leakref.paper import shear
 from leakref.paper.shear import BANDS, SHEARED, Sheared, answer, inferred, sheared
 
 BY_ID = {c.id: c for c in SHEARED}

@@ -9,9 +9,9 @@ from scipy.stats import binomtest
 
 from leakref.altered import Change
 from leakref.certify import cubes, faults, strength
+from leakref.certify.choice import chosen
 from leakref.certify.faults import FAULTS, Fault
 from leakref.certify.inprocess import InProcess
-from leakref.certify.choice import chosen
 from leakref.certify.registry import CHECKS, FAMILIES
 from leakref.certify.statistics import excess, share
 from leakref.certify.strength import Job, classes, compute, false_alarms, fault_record, fresh, problems, study

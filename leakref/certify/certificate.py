@@ -16,12 +16,11 @@ from xml.etree import ElementTree
 from leakref._base import LeakrefError
 from leakref._output import envelope, plain
 from leakref.certify.registry import FAMILIES
-from leakref.certify.verdict import Finding, Verdict
+from leakref.certify.verdict import WRONG, Finding, Verdict
 
 __all__ = ["CONFORMANT", "REJECTED", "SOUND", "Certificate", "Known", "junit", "read_known", "schema"]
 
 CONFORMANT, SOUND, REJECTED = "conformant", "sound", "rejected"  # grades
-_WRONG = (Verdict.FAIL, Verdict.ERROR, Verdict.TIMEOUT)
 
 
 @dataclass(frozen=True)
@@ -95,7 +94,7 @@ class Certificate:
     @property
     def wrong(self) -> list[Finding]:
         """Failures, errors and time-outs that are not known."""
-        return [f for f in self.findings if f.verdict in _WRONG and f.id not in self.known]
+        return [f for f in self.findings if f.verdict in WRONG and f.id not in self.known]
 
     @property
     def grade(self) -> str | None:

@@ -22,7 +22,7 @@ from leakref.certify.connect import HarnessBroken, Limits, connect
 from leakref.certify.diagnosis import explained
 from leakref.certify.judge import certify
 from leakref.certify.process import ProcessSubject
-from leakref.certify.verdict import Finding, Verdict
+from leakref.certify.verdict import WRONG, Finding, Verdict
 from leakref.golden import locate
 
 __all__ = ["Request", "run", "show_list", "show_schema"]
@@ -104,6 +104,7 @@ def run(request: Request, *, json: bool = False) -> int:
         return 3
     found = _named(found, request)
     pictures: list[dict[str, str]] = []
+    interrupted = False
     try:
         if found.wrong:
             with progress_bar("faults compared with what fell short", None) as step:
@@ -111,6 +112,7 @@ def run(request: Request, *, json: bool = False) -> int:
         if request.profile == "full" and found.grade is not None and not request.only:
             found, pictures = _biased(found, connect(request.target, command, limits=limits))
     except KeyboardInterrupt:  # what has been found is not lost
+        interrupted = True
         console().print("[yellow]Interrupted:[/] what there is so far:")
     found = replace(found, seconds=perf_counter() - start)
     written = _write(found, request.report, pictures)
@@ -118,12 +120,14 @@ def run(request: Request, *, json: bool = False) -> int:
         print(dump(found.record()))
     else:
         _print(found, written, request.only)
+    if interrupted:
+        raise KeyboardInterrupt
     return found.status
 
 
 def _so_far(seen: Sequence[Finding], count: int) -> None:
     """What was found before somebody lost patience."""
-    wrong = [f for f in seen if f.verdict in (Verdict.FAIL, Verdict.ERROR, Verdict.TIMEOUT)]
+    wrong = [f for f in seen if f.verdict in WRONG]
     console().print(f"[yellow]Interrupted[/] after {len(seen)} of {count} findings; {len(wrong)} of them wrong"
                     + ":" * bool(wrong))
     for finding in wrong[:_SHOWN]:
@@ -188,8 +192,9 @@ def _print(found: Certificate, written: Sequence[Path], only: Sequence[str]) -> 
         check = finding.id.partition("[")[0]
         if check not in told:  # the same for all cases of a check
             told.add(check)
-            show.print(f"  [dim]why: {escape(reasons.get(check, ''))}\n  again: {escape(finding.repro)}[/]",
-                       soft_wrap=True)
+            if check in reasons:
+                show.print(f"  [dim]why: {escape(reasons[check])}[/]", soft_wrap=True)
+            show.print(f"  [dim]again: {escape(finding.repro)}[/]", soft_wrap=True)
     if len(found.wrong) > _SHOWN:
         show.print(f"... and {len(found.wrong) - _SHOWN} more; --json or --report has all of them.")
     for row in found.bias:

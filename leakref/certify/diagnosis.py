@@ -25,12 +25,12 @@ import numpy.typing as npt
 from leakref._base import FloatArray, LeakrefError
 from leakref.certify import faults
 from leakref.certify.certificate import SOUND, Certificate
+from leakref.certify.choice import chosen
 from leakref.certify.declaration import Declaration
 from leakref.certify.inprocess import InProcess
-from leakref.certify.choice import chosen
 from leakref.certify.registry import Case, Check
 from leakref.certify.subject import Call
-from leakref.certify.verdict import Finding, Verdict
+from leakref.certify.verdict import WRONG, Finding, Verdict
 from leakref.chain import METHODS
 
 __all__ = ["ENOUGH", "Diagnosis", "Hypothesis", "departure", "diagnose", "explained"]
@@ -41,7 +41,6 @@ _CLEARLY = 1.0  # digits that it must be better than the reference without a fau
 _ALIKE = 0.5  # digits within which several faults explain as well as the best
 _FULL = 15.6  # digits of float64
 _EVIDENCE = 8  # failed checks that are run again
-_WRONG = (Verdict.FAIL, Verdict.ERROR, Verdict.TIMEOUT)
 _STAGES = ("window", "synthesize", "spectrum", "extract")
 _TWICE = "behaviour.deterministic"
 _FOR_ALL = ("recovery.pair", "signs.aligned", "currents.aligned", "leakage.aligned")
@@ -97,7 +96,7 @@ def departure(findings: Iterable[Finding]) -> str:
     stage = {f.id: _stage(f) for f in compared}
     if len(set(stage.values())) < 2:
         return ""
-    return next((s for s in _STAGES if any(stage[f.id] == s and f.verdict in _WRONG for f in compared)), "")
+    return next((s for s in _STAGES if any(stage[f.id] == s and f.verdict in WRONG for f in compared)), "")
 
 
 def _stage(finding: Finding) -> str:
@@ -169,7 +168,7 @@ def _hypothesis(names: _Names, digits: float) -> Hypothesis:
 def _clues(findings: Sequence[Finding], declared: str) -> list[_Clue]:
     """What failed, from cheap to dear, each family once before any twice."""
     by_id = {f"{c.id}[{case.id}]": (c, case) for c, case in chosen()}
-    found = sorted((_Clue(*by_id[f.id], f, declared) for f in findings if f.verdict in _WRONG and f.id in by_id),
+    found = sorted((_Clue(*by_id[f.id], f, declared) for f in findings if f.verdict in WRONG and f.id in by_id),
                    key=lambda clue: clue.cost)
     rank: dict[str, int] = {}
     order = []

@@ -11,8 +11,8 @@ import pytest
 
 from leakref._base import LeakrefError
 from leakref.certify.certificate import Known, read_known
-from leakref.certify.inprocess import InProcess
 from leakref.certify.choice import chosen
+from leakref.certify.inprocess import InProcess
 from leakref.certify.registry import Case, Check
 from leakref.certify.subject import Subject
 from leakref.certify.targets import load

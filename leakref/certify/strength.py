@@ -27,14 +27,14 @@ from leakref import fast, runs
 from leakref._base import FloatArray
 from leakref._output import dump, envelope, folder, plain, progress_bar, write_whole
 from leakref.certify import cubes, faults, variants
+from leakref.certify.choice import chosen
 from leakref.certify.faults import FAULTS, Fault
 from leakref.certify.inprocess import InProcess
 from leakref.certify.judging import NEVER
-from leakref.certify.choice import chosen
 from leakref.certify.registry import CHECKS, FAMILIES, Case, Check
 from leakref.certify.statistics import FALSE_ALARMS, share
 from leakref.certify.variants import VARIANTS
-from leakref.certify.verdict import Finding, Verdict
+from leakref.certify.verdict import WRONG, Finding, Verdict
 from leakref.dispersion import Current, ExponentialCurrent, LinearCurrent, UniformCurrent
 from leakref.grid import Grid
 
@@ -46,7 +46,6 @@ DISTINCT = 10.0
 """Effect over tolerance that every fault must have on its witness."""
 RESAMPLINGS = 100_000
 _STORED = 100  # realisations of each sea of the statistical checks
-_WRONG = (Verdict.FAIL, Verdict.ERROR, Verdict.TIMEOUT)
 _SEEN = ("signs", "recovery", "metamorphic", "leakage", "currents", "shear", "scale")  # families that look at seas
 _TURNS = [np.array(m) for m in ([[1, 0], [0, 1]], [[0, -1], [1, 0]], [[-1, 0], [0, -1]], [[0, 1], [-1, 0]],
                                 [[1, 0], [0, -1]], [[0, 1], [1, 0]], [[-1, 0], [0, 1]], [[0, -1], [-1, 0]])]
@@ -236,7 +235,7 @@ def variant_record(identifier: str, seed: int | None = None, *,
         pairs = [pair for pair in chosen(profile="quick") if pair[0].family in _SEEN]
         with fresh(seed):
             found = [check(InProcess(make(identifier)), case) for check, case in pairs]
-    wrong = [f for f in found if f.verdict in _WRONG]
+    wrong = [f for f in found if f.verdict in WRONG]
     return {"id": identifier, "seed": seed, "checks": sum(f.verdict is Verdict.PASS for f in found) + len(wrong),
             "wrong": {f.id: f.message for f in wrong}}
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any
 
-__all__ = ["Finding", "Unanswered", "Verdict"]
+__all__ = ["WRONG", "Finding", "Unanswered", "Verdict"]
 
 
 class Verdict(StrEnum):
@@ -21,6 +21,10 @@ class Verdict(StrEnum):
     ERROR = "error"
     "it raised, crashed, or broke the protocol"
     TIMEOUT = "timeout"
+
+
+WRONG = (Verdict.FAIL, Verdict.ERROR, Verdict.TIMEOUT)
+"""What speaks against an implementation."""
 
 
 @dataclass(frozen=True)

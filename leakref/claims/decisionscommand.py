@@ -146,11 +146,12 @@ def _turned(result: dict[str, Any]) -> Table:
                              "the claims that need only these seas: " + ", ".join(sorted(judged, key=position))))
     for name in ("", "instead", "claims"):
         shown.add_column(name)
-    for id, variant in VARIANTS.items():
-        turned = [claim for claim in result["claims"] if claim["variant"] == id and claim["flipped"]]
-        if id in variants:
-            said = (f"{claim['id']} {len(claim['flipped'])}/{claim['readings']}" for claim in turned)
-            shown.add_row(variant.decision, variant.words, ", ".join(
-                f"[bold]{words}[/bold]" if claim["before"] != claim["verdict"] else words
-                for words, claim in zip(said, turned, strict=True)) or "[dim]none[/dim]")
+    for variant in (v for v in VARIANTS.values() if v.id in variants):
+        turned = [_share(claim) for claim in result["claims"] if claim["variant"] == variant.id and claim["flipped"]]
+        shown.add_row(variant.decision, variant.words, ", ".join(turned) or "[dim]none[/dim]")
     return shown
+
+
+def _share(claim: dict[str, Any]) -> str:
+    words = f"{claim['id']} {len(claim['flipped'])}/{claim['readings']}"
+    return words if claim["before"] == claim["verdict"] else f"[bold]{words}[/bold]"

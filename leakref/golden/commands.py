@@ -63,7 +63,7 @@ def run_verify(wanted: Sequence[str], number: int, place: Path | None, *, full: 
         kept = folder(work) if full or wanted else None
         with progress_bar("golden entries", len(making.looked_at(golden, full or bool(wanted), wanted))) as step:
             report = making.verify(golden, full=full, wanted=wanted, route=route, work=kept, workers=workers,
-                                         step=step)
+                                   step=step)
     _shown("verify", report, json, report.ok, full=full)
     return 0 if report.ok else 1 if report.failures else NOTHING_TO_JUDGE
 
