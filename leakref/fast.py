@@ -11,13 +11,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cached_property, lru_cache
 from math import comb, factorial
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from leakref import nsp
+from leakref import leakage, nsp
 from leakref._base import FloatArray, LeakrefError, positive
-from leakref.chain import METHODS
+from leakref.chain import METHODS, analyse
 from leakref.dispersion import intrinsic_frequency
 from leakref.grid import Grid
 from leakref.leastsquares import SOFT, THRESHOLD
@@ -26,12 +27,14 @@ from leakref.shell import (_ROUNDING, EDGE_MARGIN, HALF_WIDTH, Extraction, Note,
                            collect, nothing, shell_at, velocity_unit)
 from leakref.spectrum import Spectrum
 from leakref.window import window as named_window
-from leakref.fastscore import (KEPT, ORDER, POOL, Models, Ring, climb, least_squares, only_leaked, outdone, peaks, pool,
+from leakref.fastscore import (DENSE, KEPT, ORDER, POOL, Models, Ring, climb, least_squares, only_leaked, outdone, peaks, pool,
                                principal)
 from leakref.fastspectra import Disc, magnitudes
 
 __all__ = ["realize"]
 
+Found = dict[tuple[str, str], Extraction]
+"""By window and method."""
 _CUT = 4.25  # widths, where the Gaussian ends: 1e-15 of it is left
 
 
@@ -78,25 +81,34 @@ class _Seen:
         used, arrived = climb(ring, self.models, velocity, d)
         if not arrived:  # rare: let the reference judge
             return nsp.optimum(self._shell(ring), self.width * self.step, ring.unit, search=search)
+        centres = ring.centre + ring.kx * velocity[0] + ring.ky * velocity[1]
+        if nsp.leaves_the_band(centres, self.magnitude.shape[1] - 1):
+            return nothing(Note.EDGE, int(used))
         score = d[0]
         d *= ring.columns.size * self.weight.sum() / self.sums[ring.columns].sum()
         frequency, note = ring.centre.max() * np.sqrt(ring.wavenumber / ring.largest), Note.NONE
         top = self.magnitude.shape[1] - 1 - frequency - 3 * self.width
         reach = min(nsp._REACH * ring.unit, top / ring.wavenumber)
+        stiff, soft = -principal(d)[1], -principal(d)[0]
+        beyond = np.hypot(*velocity) > reach
+        if beyond and soft <= 1e-9 * stiff:
+            return nothing(Note.EDGE | Note.FLAT, int(used))
         if only_leaked(ring, self.strongest, velocity, 0.0, self.across, self.along):
             note |= Note.LEAKAGE_FLOOR
         if ring.columns.size < nsp._FEW:
             note |= Note.TOO_FEW_BINS
-        if -principal(d)[0] * ring.unit**2 < nsp._SOFT * d[0]:
+        if soft * ring.unit**2 < nsp._SOFT * d[0]:
             note |= Note.FLAT
-        if np.hypot(*velocity) > reach:
+        if beyond:
             note |= Note.EDGE
-        if search and reach > 0 and self._another_basin(ring, velocity, score, reach):
+        if search and reach > 0 and (
+                self._another_basin(ring, velocity, score, reach) if self.width >= DENSE else  # the table wants it so
+                nsp.another_basin(self._shell(ring), velocity, float(d[0]), self.width * self.step, ring.unit)):
             note |= Note.ANOTHER_BASIN
         return velocity, float(d[0]), d[1:3].copy(), d[[3, 4, 4, 5]].reshape(2, 2), int(used), note
 
     def _another_basin(self, ring: Ring, velocity: FloatArray, score: float, reach: float) -> bool:
-        """nsp._another_basin."""
+        """nsp.another_basin."""
         table, pooled, tops = self._table
         tops = tops[ring.columns]
         order, best = np.argsort(-tops, kind="stable"), np.empty((7, 3))
@@ -113,9 +125,10 @@ class _Seen:
         p, pad = int(self.furthest / eighth) + 2 + POOL, int(np.ceil(_CUT * self.width)) + 1
         f = np.zeros((n, pad + max(nw, int(p * eighth) + 2 + pad)), dtype=np.float32)
         f[:, pad : pad + nw] = self.magnitude
-        f[:, :pad] = self.magnitude[::-1, pad:0:-1]
+        below = min(pad, nw - 1)  # negative frequencies, of which a short video has fewer than the Gaussian is wide
+        f[:, pad - below : pad] = self.magnitude[::-1, below:0:-1]
         if self.even:
-            f[:, pad + nw - 1] *= 0.5
+            f[:, [pad + nw - 1, max(pad - nw + 1, 0)][: 1 + (below == nw - 1)]] *= 0.5
         table = np.empty((n, 2 * p + 1), dtype=np.float32)
         for a in range(0, p + 1, 32):
             centres = np.arange(a, min(a + 32, p + 1)) * eighth
@@ -170,10 +183,19 @@ def _rings(disc: Disc, wavenumbers: FloatArray, gravity: float, peak_wavenumber:
     return rings
 
 
+def _plainly(components: Components, grid: Grid, wavenumbers: FloatArray, windows: Sequence[str],
+             methods: Sequence[str], *, width: float, threshold: float, **settings: Any) -> Found:
+    """`realize` by the reference itself."""
+    own = {"nsp": {"width": width}, "ls": {"threshold": threshold}}
+    spectra = {name: leakage.spectrum(components, grid, name) for name in windows}
+    return {(name, method): analyse(spectra[name], wavenumbers, method=method, **own[method], **settings)
+            for name in windows for method in methods}
+
+
 def realize(components: Components, grid: Grid, wavenumbers: npt.ArrayLike, *,
             windows: Sequence[str] = ("box", "hann"), methods: Sequence[str] = ("nsp", "ls"), gravity: float = 1.0,
             peak_wavenumber: float | None = 1.0, width: float = nsp.WIDTH, half_width: float = HALF_WIDTH,
-            threshold: float = THRESHOLD, search: bool = True) -> dict[tuple[str, str], Extraction]:
+            threshold: float = THRESHOLD, search: bool = True) -> Found:
     """What `chain.analyse` reports of these waves under every (window, method): velocities to 1e-11, and all notes.
 
     Settings as in `nsp.extract` and `leastsquares.extract`. `evaluations` are those of this way of climbing; the
@@ -190,6 +212,9 @@ def realize(components: Components, grid: Grid, wavenumbers: npt.ArrayLike, *,
                            "give a part of the largest power, above 0 and at most 1")
     dk, inside = grid.wavenumber_resolution, min(grid.nyquist[:2]) * (1 - EDGE_MARGIN)
     waves = float(np.hypot(components.kx, components.ky).max()) + dk
+    if waves > inside:  # in the corners of the spectrum, where the disc does not reach: let the reference look there
+        return _plainly(components, grid, k, windows, methods, gravity=gravity, peak_wavenumber=peak_wavenumber,
+                        width=width, half_width=half_width, threshold=threshold, search=search)
     outermost = float(k.max() + half_width * dk)
     disc = Disc(grid, min(max(outermost, waves), inside) + EDGE_MARGIN * dk)
     rings = _rings(disc, k, gravity, peak_wavenumber, width, half_width)

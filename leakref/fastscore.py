@@ -17,13 +17,13 @@ from numba import njit
 from leakref import nsp
 from leakref._base import FloatArray, IntArray
 
-__all__ = ["KEPT", "ORDER", "POOL", "Models", "Ring", "climb", "least_squares", "only_leaked", "outdone", "peaks",
+__all__ = ["DENSE", "KEPT", "ORDER", "POOL", "Models", "Ring", "climb", "least_squares", "only_leaked", "outdone", "peaks",
            "pool", "principal"]
 
 ORDER = 12  # of an expansion of the score: powers of the velocity below it
 _RADIUS = 0.3  # how far an expansion holds, to 2e-11, in standard deviations of the Gaussian
 _CLOSE = 1e-4  # the same for one of order 4, to rounding; and the step in c0 after which Newton's method asks for one
-_DENSE = 3.0  # bins: from this width on the sampled Gaussian has a constant sum
+DENSE = 3.0  # bins: from this width on the sampled Gaussian has a constant sum
 _LOST = 1e-3  # what is left of G, below which the tails that `_CUT` cuts would decide
 _CHUNK = 64  # columns at a time
 KEPT = 64  # expansions of one shell
@@ -128,7 +128,7 @@ def _expand(ring, c, order, top, bottom):
     s, centres = np.empty(_CHUNK), ring.centre + ring.kx * c[0] + ring.ky * c[1]
     top[:] = 0.0
     bottom[:] = 0.0
-    clipped = ring.width < _DENSE or np.abs(centres).max() > nw - 3 - half
+    clipped = ring.width < DENSE or np.abs(centres).max() > nw - 3 - half
     for start in range(0, centres.size, _CHUNK):
         n = min(_CHUNK, centres.size - start)
         for i in range(n):
@@ -377,7 +377,7 @@ def _drop(table, columns, base, kx, ky, rest, x, y, scores, bar):
 
 @_compiled
 def peaks(ring, order, tops, table, pooled, reach, found, best):
-    """The starts of nsp._another_basin: up to six maxima of a coarse score on a lattice, strongest first, best (7, 3).
+    """The starts of nsp.another_basin: up to six maxima of a coarse score on a lattice, strongest first, best (7, 3).
 
     `table` holds each column's part of the score by centre, an eighth of the width apart; `pooled` the largest part
     within POOL of every fourth, which bounds the score of three by three points at once.

@@ -12,8 +12,8 @@ from leakref.shell import (HALF_WIDTH, Extraction, Note, Optimum, Shell, checked
                            shell_at, velocity_unit)
 from leakref.spectrum import Spectrum
 
-__all__ = ["START", "WIDTH", "characteristic_function", "extract", "normalized_scalar_product", "optimum",
-           "score_derivatives"]
+__all__ = ["START", "WIDTH", "characteristic_function", "another_basin", "extract", "leaves_the_band", "normalized_scalar_product",
+           "optimum", "score_derivatives"]
 
 WIDTH = 4.0
 """a of eq:DSVkernel in domega (sec:parameters)."""
@@ -33,6 +33,11 @@ def _centres(shell: Shell, velocity: npt.ArrayLike) -> tuple[FloatArray, FloatAr
     u, v = np.asarray(velocity, dtype=np.float64)
     shift = shell.kx * u + shell.ky * v
     return shell.intrinsic + shift, -shell.intrinsic + shift
+
+
+def leaves_the_band(centres: FloatArray, last: float) -> bool:
+    """Whether most `centres` (n,) are past the `last` frequency: what G then rests on says nothing of the velocity."""
+    return bool(np.mean(np.abs(centres) > last) > 0.5)
 
 
 def characteristic_function(shell: Shell, velocity: npt.ArrayLike, width: float) -> FloatArray:
@@ -64,7 +69,7 @@ def score_derivatives(shell: Shell, velocity: npt.ArrayLike, width: float) -> tu
         for order, term in enumerate((g, 4 * z / width * g, (16 * z**2 - 4) / width**2 * g)):
             top[order] += np.einsum("nw,nw->n", term, shell.magnitude)
             bottom[order] += term.sum(axis=1)
-    if not bottom[0].any():
+    if not (bottom[0].any() and top[0].any()):  # G has left the spectrum, or all that is in it
         return 0.0, np.zeros(2), np.zeros((2, 2))
     norm = k.shape[1] * shell.weight.sum() / np.sum(shell.magnitude @ shell.weight)
     (a, da, dda), (b, db, ddb) = ((s[0].sum(), k @ s[1], (k * s[2]) @ k.T) for s in (top, bottom))
@@ -124,7 +129,7 @@ def _scores(shell: Shell, velocities: FloatArray, width: float) -> FloatArray:
     return result
 
 
-def _another_basin(shell: Shell, found: FloatArray, score: float, width: float, unit: float) -> bool:
+def another_basin(shell: Shell, found: FloatArray, score: float, width: float, unit: float) -> bool:
     """Whether some other maximum within reach scores higher: a search on a lattice of half widths, then Newton."""
     reach = _reach(shell, width, unit)
     if reach <= 0:
@@ -160,17 +165,23 @@ def optimum(shell: Shell, width: float, unit: float, *, search: bool = True) -> 
     velocity, steps, arrived = _ascend(shell, fit.x * unit, width, unit)
     evaluations = int(fit.nfev) + steps
     if not arrived:
-        return *nothing(Note.UNCONVERGED)[:4], evaluations, Note.UNCONVERGED
+        return nothing(Note.UNCONVERGED, evaluations)
+    if leaves_the_band(_centres(shell, velocity)[0], shell.omega[-1]):
+        return nothing(Note.EDGE, evaluations)
     score, gradient, hessian = score_derivatives(shell, velocity, width)
+    soft, stiff = np.linalg.eigvalsh(-hessian)
+    beyond = np.hypot(*velocity) > _reach(shell, width, unit)
+    if beyond and soft <= 1e-9 * stiff:  # anywhere along a line
+        return nothing(Note.EDGE | Note.FLAT, evaluations)
     near = np.any([np.abs(shell.omega - centre[:, None]) <= width for centre in _centres(shell, velocity)], axis=0)
     note = shell.notes(near)
     if shell.kx.size < _FEW:
         note |= Note.TOO_FEW_BINS
-    if np.linalg.eigvalsh(-hessian)[0] * unit**2 < _SOFT * score:
+    if soft * unit**2 < _SOFT * score:
         note |= Note.FLAT
-    if np.hypot(*velocity) > _reach(shell, width, unit):
+    if beyond:
         note |= Note.EDGE
-    if search and _another_basin(shell, velocity, score, width, unit):
+    if search and another_basin(shell, velocity, score, width, unit):
         note |= Note.ANOTHER_BASIN
     return velocity, score, gradient, hessian, evaluations, note
 

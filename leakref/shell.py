@@ -30,7 +30,8 @@ class Note(Flag):
     ANOTHER_BASIN = 1
     "nsp: some other current within reach scores higher than the one that Nelder-Mead found"
     EDGE = 2
-    "nsp: the optimum is faster than the search that judges it reaches, or leaves the Nyquist range"
+    """nsp: the optimum is faster than the search that judges it reaches; where it takes most of the dispersion surface
+    out of the Nyquist range, there is no number"""
     TOO_FEW_BINS = 4
     "nsp: fewer than 8 bins in the plane; ls: fewer than 2 bins above the threshold, and no number"
     FLAT = 8
@@ -106,9 +107,9 @@ Optimum = tuple[FloatArray, float, FloatArray, FloatArray, int, Note]
 """Velocity (2,), score, gradient (2,), Hessian (2, 2), evaluations, notes."""
 
 
-def nothing(note: Note) -> Optimum:
+def nothing(note: Note, evaluations: int = 0) -> Optimum:
     """No number, and why."""
-    return np.full(2, np.nan), np.nan, np.full(2, np.nan), np.full((2, 2), np.nan), 0, note
+    return np.full(2, np.nan), np.nan, np.full(2, np.nan), np.full((2, 2), np.nan), evaluations, note
 
 
 def collect(method: str, wavenumbers: FloatArray, found: list[Optimum]) -> Extraction:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, Phase, given, settings as hypothesis_settings, strategies as st
 from conftest import RECTANGULAR, waves_off_bins
 
 from leakref import Components, Grid, LeakrefError, SeaState, UniformCurrent, aligned_waves, leakage
 from leakref.chain import METHODS, analyse, shell_wavenumbers
 from leakref.fast import realize
 from leakref.fastspectra import Disc, magnitudes
-from leakref.shell import Note
+from leakref.shell import Note, shell_at
 from leakref.window import WINDOWS
 
 SMALL = Grid.scaled(5, 10)
@@ -83,6 +84,80 @@ def test_same_where_nothing_is_square_or_even_and_in_other_units():
                                       {"search": False}, {"peak_wavenumber": 1.7}])
 def test_same_under_other_settings(settings):
     assert_same(SeaState(75, 30, length=5).components(0), SMALL, [0.8, 1.4, 2.6], **settings)
+
+
+@st.composite
+def hostile(draw):
+    """Waves, a grid of 2 to 64 samples a side, oblong, odd, prime or coarse, wavenumbers, and settings of both ways."""
+    size = st.one_of(st.sampled_from([2, 3, 5, 7, 13, 16, 31, 61, 64]), st.integers(2, 64))
+    grid = Grid((draw(size), draw(size), draw(size)), tuple(draw(st.floats(0.2, 2.0)) for _ in range(3)))
+    rng, kind = np.random.default_rng(draw(st.integers(0, 2**32))), draw(st.sampled_from(["sea", "waves", "bins"]))
+    n, nyquist = int(rng.integers(1, 9)), np.array(grid.nyquist)
+    kx, ky, omega = rng.uniform(-1, 1, (3, n)) * nyquist[:, None]  # in the corners too
+    if kind == "bins":
+        kx, ky, omega = (np.rint(v / bin) * bin for v, bin in zip((kx, ky, omega), grid.bin_widths, strict=True))
+    if kind == "sea":
+        k, angle = rng.uniform(0.1, 0.95, n) * nyquist[:2].min(), rng.uniform(0, 2 * np.pi, n)
+        kx, ky = k * np.cos(angle), k * np.sin(angle)
+        omega = np.sqrt(k) + kx * rng.uniform(-0.5, 0.5) + ky * rng.uniform(-0.5, 0.5)
+    half_width = draw(st.sampled_from([2.0, 1.0, 3.0]))
+    inner = nyquist[:2].min() - half_width * grid.wavenumber_resolution
+    wanted = rng.uniform(0.05, 1.01, 2) * (inner if inner > 0 else nyquist[:2].min())  # past the end now and then
+    return (Components(kx, ky, omega, rng.uniform(0.1, 1, n), rng.uniform(0, 6, n)), grid, wanted,
+            {"width": draw(st.sampled_from([4.0, 2.0, 6.5, 1.0, 0.5])), "half_width": half_width})
+
+
+def assert_same_or_same_refusal(case):
+    waves, grid, k, settings = case
+    try:
+        leakage.spectrum(waves, grid, "box")
+        for k_i in k:
+            shell_at(leakage.spectrum(waves, grid, "box"), k_i, half_width=settings["half_width"])
+    except LeakrefError as refusal:
+        with pytest.raises(LeakrefError) as other:
+            realize(waves, grid, k, **settings)
+        assert other.value.fault == refusal.fault
+    else:
+        assert_same(waves, grid, k, windows=("box", "hann", "blackman", "kaiser-bessel"), **settings)
+
+
+def hostile_cases(count):
+    return lambda test: given(hostile())(hypothesis_settings(
+        max_examples=count, derandomize=True, database=None, deadline=None, phases=[Phase.explicit, Phase.generate],
+        suppress_health_check=[HealthCheck.too_slow])(test))
+
+
+@hostile_cases(25)
+def test_same_on_any_grid(case):
+    assert_same_or_same_refusal(case)
+
+
+@pytest.mark.slow
+@hostile_cases(600)
+def test_same_on_many_grids(case):
+    assert_same_or_same_refusal(case)
+
+
+@pytest.mark.parametrize("nt", [*range(2, 12), 17, 30, 33, 34, 35, 36, 37])
+def test_same_for_short_videos(nt):
+    """Shorter than the Gaussian is wide, as tabulated for other basins."""
+    grid = Grid((60, 56, nt), (0.5, 0.6, 0.9))
+    assert_same(SeaState(70, 40, length=5).components(0), grid, [0.9, 1.6])
+
+
+def test_no_velocity_where_the_surface_has_left_the_band():
+    """A video so coarse that Nelder-Mead climbs to where most of the dispersion surface is past the last frequency."""
+    grid, k, lost = Grid((44, 48, 9), (0.7, 0.6, 3.0)), np.linspace(0.8, 2.4, 9), 0
+    for realization in range(4):
+        waves = SeaState(70, 40, length=4).components(realization)
+        assert_same(waves, grid, k)
+        for (window, method), record in realize(waves, grid, k).items():
+            lost += sum(Note.EDGE in note and np.isnan(c[0]) for note, c in zip(record.notes, record.velocities))
+            for k_i, velocity in zip(k, record.velocities, strict=True):
+                shell = shell_at(leakage.spectrum(waves, grid, window), k_i)
+                past = np.abs(shell.intrinsic + np.stack([shell.kx, shell.ky], axis=1) @ velocity) > shell.omega[-1]
+                assert method == "ls" or np.mean(past) <= 0.5
+    assert lost
 
 
 def test_same_where_the_gaussian_is_clipped_at_the_nyquist_frequency():

@@ -90,7 +90,7 @@ _MEASURE = """def _measure(shell):
 
 
 def characteristic_function("""
-_CONSTANT = "clipped = ring.width < _DENSE or np.abs(centres).max() > nw - 3 - half"  # sum of the Gaussian
+_CONSTANT = "clipped = ring.width < DENSE or np.abs(centres).max() > nw - 3 - half"  # sum of the Gaussian
 _COLUMNS = "        kx, ky = ring.kx[start : start + n] / ring.largest, ring.ky[start : start + n] / ring.largest\n"
 _MEASURED = """        for i in range(n):
             k = np.hypot(ring.kx[start + i], ring.ky[start + i])
