@@ -27,8 +27,8 @@ from leakref.shell import (_ROUNDING, EDGE_MARGIN, HALF_WIDTH, Extraction, Note,
                            collect, nothing, shell_at, velocity_unit)
 from leakref.spectrum import Spectrum
 from leakref.window import window as named_window
-from leakref.fastscore import (DENSE, KEPT, ORDER, POOL, Models, Ring, climb, least_squares, only_leaked, outdone, peaks, pool,
-                               principal)
+from leakref.fastscore import (DENSE, KEPT, ORDER, POOL, Models, Ring, climb, least_squares, only_leaked, outdone,
+                               peaks, pool, principal)
 from leakref.fastspectra import Disc, magnitudes
 
 __all__ = ["realize"]
@@ -79,25 +79,21 @@ class _Seen:
         ring, velocity, d = ring._replace(magnitude=self.magnitude), np.empty(2), np.empty(6)
         self.models.made[:] = 0
         used, arrived = climb(ring, self.models, velocity, d)
-        if not arrived:  # rare: let the reference judge
-            return nsp.optimum(self._shell(ring), self.width * self.step, ring.unit, search=search)
-        centres = ring.centre + ring.kx * velocity[0] + ring.ky * velocity[1]
-        if nsp.leaves_the_band(centres, self.magnitude.shape[1] - 1):
-            return nothing(Note.EDGE, int(used))
-        score = d[0]
-        d *= ring.columns.size * self.weight.sum() / self.sums[ring.columns].sum()
         frequency, note = ring.centre.max() * np.sqrt(ring.wavenumber / ring.largest), Note.NONE
         top = self.magnitude.shape[1] - 1 - frequency - 3 * self.width
         reach = min(nsp._REACH * ring.unit, top / ring.wavenumber)
-        stiff, soft = -principal(d)[1], -principal(d)[0]
-        beyond = np.hypot(*velocity) > reach
-        if beyond and soft <= 1e-9 * stiff:
-            return nothing(Note.EDGE | Note.FLAT, int(used))
+        beyond, stiff, soft = np.hypot(*velocity) > reach, -principal(d)[1], -principal(d)[0]
+        centres = ring.centre + ring.kx * velocity[0] + ring.ky * velocity[1]
+        if not arrived or (beyond and (soft <= nsp.UNKNOWN * stiff
+                                       or nsp.leaves_the_band(centres, self.magnitude.shape[1] - 1))):
+            return nsp.optimum(self._shell(ring), self.width * self.step, ring.unit, search=search)  # rare
+        score = d[0]
+        d *= ring.columns.size * self.weight.sum() / self.sums[ring.columns].sum()
         if only_leaked(ring, self.strongest, velocity, 0.0, self.across, self.along):
             note |= Note.LEAKAGE_FLOOR
         if ring.columns.size < nsp._FEW:
             note |= Note.TOO_FEW_BINS
-        if soft * ring.unit**2 < nsp._SOFT * d[0]:
+        if soft * ring.unit**2 < nsp._SOFT * score:
             note |= Note.FLAT
         if beyond:
             note |= Note.EDGE

@@ -17,8 +17,8 @@ from numba import njit
 from leakref import nsp
 from leakref._base import FloatArray, IntArray
 
-__all__ = ["DENSE", "KEPT", "ORDER", "POOL", "Models", "Ring", "climb", "least_squares", "only_leaked", "outdone", "peaks",
-           "pool", "principal"]
+__all__ = ["DENSE", "KEPT", "ORDER", "POOL", "Models", "Ring", "climb", "least_squares", "only_leaked", "outdone",
+           "peaks", "pool", "principal"]
 
 ORDER = 12  # of an expansion of the score: powers of the velocity below it
 _RADIUS = 0.3  # how far an expansion holds, to 2e-11, in standard deviations of the Gaussian

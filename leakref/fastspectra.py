@@ -25,6 +25,7 @@ from leakref.window import Window
 __all__ = ["Disc", "magnitudes"]
 
 _BLOCK = 8  # frequencies in a block of the products, so that it stays in the cache
+_GROUPS = 4  # of waves that are no lattice
 _NODES = 34.0  # -log of the error of the interpolation along omega
 
 _compiled: Any = njit(cache=True, nogil=True, error_model="numpy")
@@ -204,21 +205,37 @@ def _taper(values, row, extent, lines, phases, magnitude):
             magnitude[j, m] = np.sqrt(last[0, m] ** 2 + last[1, m] ** 2)
 
 
-def _box_spectrum(components: Components, grid: Grid, stencil: int, disc: Disc) -> FloatArray:
+def _in_groups(components: Components) -> list[Components]:
+    """Waves that are no lattice in some groups of like frequency: of each, fewer frequencies are near (`_Band`)."""
+    if _rows_and_columns(components)[2]:
+        return [components]
+    parts = np.array_split(np.argsort(components.omega, kind="stable"), _GROUPS)
+    return [Components(*(getattr(components, name)[part] for name in Components.__dataclass_fields__))
+            for part in parts if part.size]
+
+
+def _rows_and_columns(components: Components) -> tuple[Any, Any, bool]:
+    """Where the waves stand along x and y, first occurrences and inverse, and whether that is a lattice."""
+    a, b = (np.unique(k, return_index=True, return_inverse=True)[1:] for k in (components.kx, components.ky))
+    return a, b, (a[0].size * b[0].size <= 8 * components.kx.size
+                  and np.bincount(a[1] * b[0].size + b[1]).max() == 1)
+
+
+def _box_spectrum(components: Components, largest: float, grid: Grid, stencil: int, disc: Disc) -> FloatArray:
     """S under the box, planar: (i, j, 2, nt // 2 + 1 + 2 stencil), less the factors that `_Axis` leaves out.
 
     On a lattice of waves, for each frequency a product of three matrices (leakage.spectrum), real ones on either side.
-    Without one the waves stand in a single row, and for each i the two real matrices merge into one.
+    Without one the waves stand in a single row, and for each i the two real matrices merge into one. Amplitudes are
+    counted in units of the `largest`.
     """
     x, y, t = (_Axis(k / dk, size) for k, dk, size in zip((components.kx, components.ky, components.omega),
                                                           grid.bin_widths, grid.shape, strict=True))
-    wave = components.amplitude / (np.abs(components.amplitude).max() or 1.0) * np.exp(1j * components.phase)
+    wave = components.amplitude / largest * np.exp(1j * components.phase)
     wave *= x.factor * y.factor * t.factor.conj()
     extents = disc.extents(stencil)
     mi, mj = extents.size // 2, int(extents.max())
     order = row = column = in_row = in_column = np.arange(wave.size)
-    a, b = (np.unique(k, return_index=True, return_inverse=True)[1:] for k in (components.kx, components.ky))
-    is_lattice = a[0].size * b[0].size <= 8 * wave.size and np.bincount(a[1] * b[0].size + b[1]).max() == 1
+    a, b, is_lattice = _rows_and_columns(components)
     if is_lattice:
         order = np.lexsort((b[1], a[1]))  # neighbours in memory beside each other
         (in_row, row), (in_column, column) = (a[0], a[1][order]), (b[0], b[1][order])
@@ -266,7 +283,10 @@ def magnitudes(components: Components, grid: Grid, windows: Sequence[Window], di
     found: dict[str, FloatArray] = {}
     if sums := [w for w in windows if w.coefficients]:
         stencil = max(len(w.coefficients) for w in sums) - 1
-        values = _box_spectrum(components, grid, stencil, disc)
+        parts, largest = _in_groups(components), np.abs(components.amplitude).max() or 1.0
+        values = _box_spectrum(parts[0], largest, grid, stencil, disc)
+        for part in parts[1:]:
+            values += _box_spectrum(part, largest, grid, stencil, disc)
         ends = np.searchsorted(i, np.arange(i.min(), i.max() + 2))
         phases = np.pi / np.array([grid.shape[0], grid.shape[1], -grid.shape[2]])
         for w in sums:

@@ -12,13 +12,15 @@ from leakref.shell import (HALF_WIDTH, Extraction, Note, Optimum, Shell, checked
                            shell_at, velocity_unit)
 from leakref.spectrum import Spectrum
 
-__all__ = ["START", "WIDTH", "characteristic_function", "another_basin", "extract", "leaves_the_band", "normalized_scalar_product",
-           "optimum", "score_derivatives"]
+__all__ = ["START", "UNKNOWN", "WIDTH", "another_basin", "characteristic_function", "extract", "leaves_the_band",
+           "normalized_scalar_product", "optimum", "score_derivatives"]
 
 WIDTH = 4.0
 """a of eq:DSVkernel in domega (sec:parameters)."""
 START = 2.5e-4
 """Side of Nelder-Mead's first simplex in c0: SciPy's default for a start at zero (decision D6)."""
+UNKNOWN = 1e-9
+"""Curvature of the score in its soft direction over that in the stiff one: below, only rounding fixes the optimum."""
 _REACH = 1.2  # in c0: other basins are looked for up to here
 _SOFT = 0.05  # c0^2 times curvature over N: below, the optimum is flat
 _FEW = 8
@@ -88,7 +90,7 @@ def _ascend(shell: Shell, velocity: FloatArray, width: float, unit: float) -> tu
     for count in range(1, 60):
         _, gradient, hessian = score_derivatives(shell, velocity, width)
         curvature, axes = np.linalg.eigh(hessian)
-        stiff = np.abs(curvature) > 1e-9 * np.abs(curvature).max(initial=0.0)
+        stiff = np.abs(curvature) > UNKNOWN * np.abs(curvature).max(initial=0.0)
         step = axes[:, stiff] @ ((axes.T @ gradient)[stiff] / np.abs(curvature[stiff]))
         length = float(np.hypot(*step))
         if not np.isfinite(length):
@@ -164,15 +166,14 @@ def optimum(shell: Shell, width: float, unit: float, *, search: bool = True) -> 
                             "maxiter": 5000})
     velocity, steps, arrived = _ascend(shell, fit.x * unit, width, unit)
     evaluations = int(fit.nfev) + steps
+    has_left = leaves_the_band(_centres(shell, velocity)[0], shell.omega[-1])
     if not arrived:
-        return nothing(Note.UNCONVERGED, evaluations)
-    if leaves_the_band(_centres(shell, velocity)[0], shell.omega[-1]):
-        return nothing(Note.EDGE, evaluations)
+        return nothing(Note.EDGE if has_left else Note.UNCONVERGED, evaluations)
     score, gradient, hessian = score_derivatives(shell, velocity, width)
     soft, stiff = np.linalg.eigvalsh(-hessian)
     beyond = np.hypot(*velocity) > _reach(shell, width, unit)
-    if beyond and soft <= 1e-9 * stiff:  # anywhere along a line
-        return nothing(Note.EDGE | Note.FLAT, evaluations)
+    if beyond and (has_left or soft <= UNKNOWN * stiff):
+        return nothing(Note.EDGE, evaluations)
     near = np.any([np.abs(shell.omega - centre[:, None]) <= width for centre in _centres(shell, velocity)], axis=0)
     note = shell.notes(near)
     if shell.kx.size < _FEW:

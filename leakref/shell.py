@@ -30,8 +30,8 @@ class Note(Flag):
     ANOTHER_BASIN = 1
     "nsp: some other current within reach scores higher than the one that Nelder-Mead found"
     EDGE = 2
-    """nsp: the optimum is faster than the search that judges it reaches; where it takes most of the dispersion surface
-    out of the Nyquist range, there is no number"""
+    """nsp: the optimum is faster than the search that judges it reaches; if most of the surface has left the Nyquist
+    range there, or one component is free, or there is no end to it, there is no number"""
     TOO_FEW_BINS = 4
     "nsp: fewer than 8 bins in the plane; ls: fewer than 2 bins above the threshold, and no number"
     FLAT = 8
@@ -43,7 +43,7 @@ class Note(Flag):
     THRESHOLD = 64
     "ls: a bin is within rounding of the threshold, so that the result may jump"
     UNCONVERGED = 128
-    "nsp: no stationary maximum was reached, and there is no number"
+    "nsp: no stationary maximum was reached within that range, and there is no number"
 
     @property
     def names(self) -> list[str]:

@@ -298,10 +298,11 @@ def by_hand(magnitude) -> Shell:
                  magnitude(omega) * np.ones((3, 1)), None, False)
 
 
-@pytest.mark.parametrize("magnitude", [np.ones_like, lambda w: np.exp(-3 * w)], ids=["no slope", "no maximum"])
-def test_a_score_without_a_maximum_is_unconverged_and_no_number(magnitude):
+@pytest.mark.parametrize(("magnitude", "reason"), [(np.ones_like, Note.UNCONVERGED), (lambda w: np.exp(-3 * w), Note.EDGE)],
+                         ids=["no slope", "rising to the end of the band"])
+def test_a_score_without_a_maximum_is_no_number(magnitude, reason):
     velocity, score, gradient, hessian, evaluations, note = optimum(by_hand(magnitude), 0.4, 1.0)
-    assert note == Note.UNCONVERGED
+    assert note == reason
     assert all(np.isnan(v).all() for v in (velocity, score, gradient, hessian))
     assert evaluations > 0
 
