@@ -298,8 +298,8 @@ def by_hand(magnitude) -> Shell:
                  magnitude(omega) * np.ones((3, 1)), None, False)
 
 
-@pytest.mark.parametrize(("magnitude", "reason"), [(np.ones_like, Note.UNCONVERGED), (lambda w: np.exp(-3 * w), Note.EDGE)],
-                         ids=["no slope", "rising to the end of the band"])
+@pytest.mark.parametrize(("magnitude", "reason"), [
+    (np.ones_like, Note.UNCONVERGED), (lambda w: np.exp(-3 * w), Note.EDGE)], ids=["no slope", "no end to it"])
 def test_a_score_without_a_maximum_is_no_number(magnitude, reason):
     velocity, score, gradient, hessian, evaluations, note = optimum(by_hand(magnitude), 0.4, 1.0)
     assert note == reason
