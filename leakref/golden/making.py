@@ -11,14 +11,14 @@ import json
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from fnmatch import fnmatchcase
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from leakref import __version__, ensemble, runs, witness
+from leakref import __version__, ensemble, kept, runs, sources, witness
 from leakref._base import FloatArray, LeakrefError
 from leakref._output import plain as to_json
 from leakref._output import write_whole
@@ -338,24 +338,18 @@ def _resumed(identifier: str, work: Path | None, make: Callable[[], dict[str, An
     """A record from `work`, if an earlier run of the same source left it there, else made and left there."""
     if work is None:
         return make()
-    key = hashlib.sha256(f"{identifier} {runs.source_digest()} {_own_digest()}".encode()).hexdigest()[:20]
-    path = work / "entries" / f"{key}.json"
-    try:
-        kept = json.loads(path.read_text(encoding="utf-8"))
-        if kept["digest"] == digest(kept["record"]):
-            return dict(kept["record"])
-    except (OSError, ValueError, KeyError):
-        pass
-    record: dict[str, Any] = json.loads(json.dumps(to_json(make())))
-    text = json.dumps({"digest": digest(record), "record": record}, ensure_ascii=False)
-    write_whole(path, lambda beside: beside.write_text(text, encoding="utf-8"))
-    return record
+    about = {"id": identifier, "source": _source_digest()}
+    path = work / "entries" / f"{kept.key(about)}.json"
+    found = kept.record(path, about)
+    if found is None:
+        found = json.loads(json.dumps(to_json(make())))
+        kept.keep_record(path, about, found)
+    return dict(found)
 
 
-def _own_digest() -> str:
-    here = Path(__file__).parent
-    return hashlib.sha256(b"\0".join((here / f"{name}.py").read_bytes() for name in
-                                     ("__init__", "making", "stages", "vectors"))).hexdigest()
+@cache
+def _source_digest() -> str:
+    return sources.digest(__name__)
 
 
 # ---------------------------------------------------------------- writing
