@@ -98,7 +98,7 @@ def _home(pair: Pair, root: Path) -> Iterator[Pair]:
 def closure(*entries: str, root: Path = _ROOT) -> dict[str, Path]:
     """The modules that `entries` import, and those import, with their files; the package lies in folder `root`."""
     found: dict[str, Path] = {}
-    waiting = list(entries)
+    waiting, seen = list(entries), set[Pair]()
     while waiting:
         module = waiting.pop()
         if module not in found:
@@ -106,7 +106,9 @@ def closure(*entries: str, root: Path = _ROOT) -> dict[str, Path]:
             if path is None:
                 raise ModuleNotFoundError(f"no source of {module} in {root}")
             found[module] = path
-            pairs = imports(path.read_text(encoding="utf-8"))[2]
+            pairs = {(of, name) for of, name in imports(path.read_text(encoding="utf-8"))[2] - seen
+                     if of.partition(".")[0] == root.name}
+            seen |= pairs
             waiting += [home for pair in pairs for home, _ in _home(pair, root)]
     return dict(sorted(found.items()))
 
