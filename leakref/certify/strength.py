@@ -34,6 +34,7 @@ from leakref.certify.variants import VARIANTS
 from leakref.certify.verdict import WRONG, Finding, Verdict
 from leakref.dispersion import Current, ExponentialCurrent, LinearCurrent, UniformCurrent
 from leakref.golden import locate
+from leakref.golden.beside import noted
 from leakref.grid import Grid
 
 __all__ = ["DISTINCT", "SEEDS", "Job", "classes", "compute", "false_alarms", "fresh", "jobs", "run", "study"]
@@ -369,7 +370,7 @@ def run(*, full: bool = False, out: Path = Path("leakref-results/strength"), wor
     with runs.pool(workers) as executor, progress_bar("strength", len(jobs(full=full))) as step:
         found = study(full=full, work=work, executor=executor, after_each=step)
     record = envelope("strength", not found["problems"], **found)
-    write_whole(out / "strength.json", lambda path: path.write_text(pretty(record), encoding="utf-8"))
+    noted(write_whole(out / "strength.json", lambda path: path.write_text(pretty(record), encoding="utf-8")))
     if json:
         print(dump(record))
     else:
