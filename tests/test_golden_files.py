@@ -14,8 +14,12 @@ import pytest
 
 import leakref
 from leakref._base import Damaged
+from leakref.certify import strength
 from leakref.claims import stored
 from leakref.golden import Golden, beside, commands
+from leakref.track import commands as track
+from leakref.track import history
+from leakref.track.tracking import Series
 
 PACKAGE, GOLDEN = Path(leakref.__file__).parent, Path(str(beside.home()))
 BESIDE = sorted(path.name for path in GOLDEN.iterdir() if path.is_file())
@@ -116,12 +120,15 @@ def installed(tmp_path):
     return root / "leakref" / "_golden", run
 
 
-@pytest.mark.parametrize("harm", ["one digit", "emptied to one entry", "missing"])
-def test_no_code_is_judged_by_a_set_that_was_changed(harm, installed, tmp_path):
+def test_no_code_is_judged_by_a_set_that_was_changed(installed):
     golden, run = installed
-    HARMS[harm](golden / "v1/vectors/window.json")
-    for words in (("certify", "reference", "--only", "conformance"), ("certify", "fault:flipped-y", "--only", "signs"),
-                  ("golden", "verify"), ("explain", "window-hann-7")):
+    whole = (golden / "v1/vectors/window.json").read_bytes()
+    for harm, *words in (("one digit", "certify", "reference", "--only", "conformance"),
+                         ("emptied to one entry", "certify", "fault:flipped-y", "--only", "signs"),
+                         ("missing", "certify", "reference"), ("one digit", "golden", "verify"),
+                         ("one digit", "explain", "window-hann-7")):
+        (golden / "v1/vectors/window.json").write_bytes(whole)
+        HARMS[harm](golden / "v1/vectors/window.json")
         done = run(*words)
         assert done.returncode == 3, (words, done.stdout, done.stderr)
         assert "vectors/window.json" in done.stdout + done.stderr or "window-" in done.stdout
@@ -148,11 +155,13 @@ def test_no_result_is_shown_that_was_changed(installed):
 # ---------------------------------------------------------------- beside the sets
 
 def failures(copy):
-    return {failure.id for failure in commands._linted(Golden(copy / "v1"), copy / "v1").failures}
+    return {failure.id for failure in beside.lint(copy)[1]}
 
 
 def test_every_file_is_covered(copy):
-    assert not failures(copy)
+    assert commands._linted(Golden(copy / "v1"), copy / "v1").ok
+    one_digit(copy / "claims.json")
+    assert {f.id for f in commands._linted(Golden(copy / "v1"), copy / "v1").failures} == {"golden/claims.json"}
     assert {"README.md", "claims.json", "decisions.json", "strength.json", "tracking.json", "history.jsonl"} < {*BESIDE}
 
 
@@ -190,6 +199,22 @@ def test_what_writes_a_file_writes_its_digest_in_the_same_step(copy):
     one_digit(copy / "tracking.json")
     stored.write(copy / "claims.json", result, ("claims",))
     assert failures(copy) == {"golden/tracking.json"}  # that one and no other
+
+
+def test_a_study_and_a_history_are_noted_too(copy, monkeypatch):
+    """What writes them asks for it: `strength --out`, `track record --history`."""
+    monkeypatch.setattr(strength, "study", lambda **_: {"full": False, "faults": [], "variants": [], "problems": []})
+    monkeypatch.setattr(strength, "jobs", lambda **_: [])
+    assert strength.run(out=copy, workers=1, json=True) == 0
+    assert '"faults": []' in (copy / "strength.json").read_text(encoding="utf-8")
+    assert not failures(copy)
+    path = copy / "history.jsonl"
+    entries = history.read(path).entries
+    series = [Series.read(entries[-1].record["measurements"][0])]
+    monkeypatch.setattr(track, "_reference", lambda *_: ({"name": "x", "version": "1"}, series, []))
+    assert track.run_record(track.Request("reference", None, label="new", path=path), json=True) == 0
+    assert len(history.read(path).entries) == len(entries) + 1
+    assert not failures(copy)
 
 
 def test_a_manifest_of_somebody_else_is_left_alone(tmp_path):
