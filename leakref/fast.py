@@ -75,7 +75,7 @@ class _Seen:
             return nothing(Note.NO_SIGNAL)
         ring, velocity, d = ring._replace(magnitude=self.magnitude), np.empty(2), np.empty(6)
         self.models.made[:] = 0
-        used, arrived = climb(ring, self.models, velocity, d)
+        used, arrived = climb(ring, self.models, nsp.START, velocity, d)
         if not arrived:  # rare: let the reference judge
             return nsp.optimum(self._shell(ring), self.width * self.step, ring.unit, search=search)
         score = d[0]

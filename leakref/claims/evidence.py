@@ -9,6 +9,7 @@ from functools import cache
 from itertools import repeat
 from pathlib import Path
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 from scipy.ndimage import affine_transform
@@ -100,7 +101,7 @@ def _special(configuration: Configuration, realization: int, setting: Setting, f
     shape = (len(configuration.windows), len(METHODS), configuration.wavenumbers.size, 2)
     return kept_velocities(folder and folder / f"claims-{kept.key(about)}" / f"{realization:05d}.npz",
                            {**about, "realization": realization}, shape,
-                           lambda: _computed(configuration, realization, setting))
+                           _computed, configuration, realization, setting)
 
 
 @cache
@@ -110,13 +111,13 @@ def source_digest() -> str:
 
 
 def kept_velocities(path: Path | None, about: kept.About, shape: tuple[int, ...],
-                    compute: Callable[[], FloatArray]) -> FloatArray:
-    """Velocities from the file `path` if they are there, else computed in one thread and left there."""
+                    compute: Callable[..., FloatArray], *given: Any) -> FloatArray:
+    """Velocities from the file `path` if they are there, else `compute(*given)` in one thread, and left there."""
     found = path and kept.arrays(path, about, velocities=shape)
     if found:
         return found["velocities"]
     with runs.one_thread():
-        velocities = compute()
+        velocities = compute(*given)
     if path is not None:
         kept.keep_arrays(path, about, velocities=velocities)
     return velocities

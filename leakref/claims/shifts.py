@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import Executor
 from dataclasses import asdict
-from functools import cache, lru_cache, partial
+from functools import cache, lru_cache
 from itertools import product, repeat
 from pathlib import Path
 from typing import Any
@@ -89,8 +89,8 @@ def _kept(variants: Sequence[Variant], windows: Sequence[Sequence[str]], configu
         path = folder and folder / f"variant-{kept.key(about)}" / f"{realization:05d}.npz"
         shape = (sum(name in own for name in configuration.windows), len(variant.methods),
                  configuration.wavenumbers.size, 2)
-        found.append(kept_velocities(path, {**about, "realization": realization}, shape, partial(
-            velocities, variant, configuration, realization, setting, own)))
+        found.append(kept_velocities(path, {**about, "realization": realization}, shape,
+                                     velocities, variant, configuration, realization, setting, own))
     return found
 
 
