@@ -86,11 +86,11 @@ def run_regenerate(wanted: Sequence[str], number: int, place: Path | None, *, wo
     from leakref.golden import making
 
     target = place or Path(str(locate(number)))
-    folder(work)
     values = [name for name in wanted if name != FILES]
     rows: list[dict[str, Any]] = []
     settled = True
     if values or not wanted:
+        folder(work)
         with progress_bar("golden entries", len(values) or len(making.ids(*("vectors", "analytic")))) as step:
             rows, settled = making.regenerate(values, target, work=work, workers=workers, step=step)
     if FILES in wanted:
