@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["ComplexArray", "FloatArray", "IntArray", "LeakrefError", "finite", "integer", "positive"]
+__all__ = ["ComplexArray", "Damaged", "FloatArray", "IntArray", "LeakrefError", "finite", "integer", "positive"]
 
 FloatArray = npt.NDArray[np.floating[Any]]
 ComplexArray = npt.NDArray[np.complex128]
@@ -24,6 +24,12 @@ class LeakrefError(ValueError):
 
     def __reduce__(self) -> tuple[Any, ...]:  # so that it survives the way back from a worker
         return type(self), (self.call, self.fault, self.remedy)
+
+
+class Damaged(LeakrefError):
+    """What leakref brings along is not as it was made: nothing can be judged by it, and no code is to blame."""
+
+    status = 3
 
 
 def finite(call: str, name: str, value: npt.ArrayLike, ndim: int | None = None) -> FloatArray:

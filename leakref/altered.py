@@ -22,15 +22,14 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from leakref import sources
 from leakref._base import LeakrefError
 
 __all__ = ["Change", "altered"]
 
 _ROOMS = Path(__file__).parent
 _SHARED = "_base"  # its exceptions and types must be the same ones everywhere
-_CHAIN = ("grid", "dispersion", "sea", "synthesis", "window", "spectrum", "leakage", "shell", "nsp", "leastsquares",
-          "chain")
-_COMPILED = {"fastspectra": {"grid", "window", "leakage"}, "fastscore": {"nsp"}}  # and what changes them in turn
+_PACKAGE = __name__.rpartition(".")[0]
 
 
 @dataclass(frozen=True)
@@ -75,11 +74,26 @@ def _changed(room: str, changes: Sequence[Change]) -> str:
 
 
 @cache
+def _rooms(*entries: str) -> list[str]:
+    """What can be altered of the modules that compute something: all but the package itself and what is shared."""
+    names = (module.partition(".")[2] for module in sources.closure(*(f"{_PACKAGE}.{entry}" for entry in entries)))
+    return [name for name in names if name not in ("", _SHARED)]
+
+
+@cache
+def _compiled() -> dict[str, set[str]]:
+    """The compiled rooms, and for each whose changes reach it."""
+    return {room: {module.partition(".")[2] for module in sources.reach(f"{_PACKAGE}.{room}")}
+            for room in _rooms("fast", "cases")
+            if any(module == "numba" for module, _ in sources.imports((_ROOMS / f"{room}.py").read_text("utf-8"))[2])}
+
+
+@cache
 def altered(changes: tuple[Change, ...], *, fast: bool = False) -> Any:
     """The chain with all `changes` made: its rooms as attributes, `altered(...).nsp` and so on.
 
-    With `fast` also `cases`, `fast`, `fastspectra` and `fastscore`, the last two being the package's own where no
-    change reaches them. Raises LeakrefError if a change no longer fits the source, before anything runs.
+    With `fast` also `cases`, `fast` and the compiled rooms, these the package's own where no change reaches them.
+    Raises LeakrefError if a change no longer fits the source, before anything runs.
     """
     rooms = {change.room for change in changes}
     for room in rooms:
@@ -87,9 +101,9 @@ def altered(changes: tuple[Change, ...], *, fast: bool = False) -> Any:
     name = f"leakref_altered_{sha256(repr((changes, fast)).encode()).hexdigest()[:12]}"
     sys.meta_path.insert(0, _Altered(name, changes))
     package = importlib.import_module(name)
-    for room, needs in _COMPILED.items() if fast else ():
-        if not rooms & {room, *needs}:
-            sys.modules[f"{name}.{room}"] = importlib.import_module(f"leakref.{room}")
-    for room in (*_CHAIN, *((*_COMPILED, "fast", "cases") if fast else ())):
+    for room, needs in _compiled().items() if fast else ():
+        if not rooms & needs:
+            sys.modules[f"{name}.{room}"] = importlib.import_module(f"{_PACKAGE}.{room}")
+    for room in _rooms("fast", "cases") if fast else _rooms("chain"):
         setattr(package, room, importlib.import_module(f"{name}.{room}"))
     return package

@@ -52,7 +52,7 @@ def command(panel: str | None, name: str | None = None,
                 holds = body(*args, **kwargs)
             except LeakrefError as refusal:
                 typer.echo(f"leakref: {refusal}", err=True)
-                raise typer.Exit(2) from None
+                raise typer.Exit(getattr(refusal, "status", 2)) from None
             except KeyboardInterrupt:
                 typer.echo("leakref: interrupted", err=True)
                 raise typer.Exit(130) from None

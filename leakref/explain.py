@@ -9,7 +9,7 @@ from typing import Any
 from rich.console import Console
 from rich.markup import escape
 
-from leakref._base import LeakrefError
+from leakref._base import Damaged, LeakrefError
 from leakref._output import dump, envelope
 
 __all__ = ["explained", "run"]
@@ -176,6 +176,8 @@ def _golden(identifier: str) -> Explanation | None:
 
     try:
         entry = Golden().entry(identifier)
+    except Damaged:
+        raise
     except LeakrefError:
         return None
     record = entry.record

@@ -78,7 +78,7 @@ class _Seen:
             return nothing(Note.NO_SIGNAL)
         ring, velocity, d = ring._replace(magnitude=self.magnitude), np.empty(2), np.empty(6)
         self.models.made[:] = 0
-        used, arrived = climb(ring, self.models, velocity, d)
+        used, arrived = climb(ring, self.models, nsp.START, velocity, d)
         frequency, note = ring.centre.max() * np.sqrt(ring.wavenumber / ring.largest), Note.NONE
         top = self.magnitude.shape[1] - 1 - frequency - 3 * self.width
         reach = min(nsp._REACH * ring.unit, top / ring.wavenumber)

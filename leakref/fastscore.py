@@ -14,7 +14,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from leakref import nsp
 from leakref._base import FloatArray, IntArray
 
 __all__ = ["DENSE", "KEPT", "ORDER", "POOL", "Models", "Ring", "climb", "least_squares", "only_leaked", "outdone",
@@ -272,14 +271,15 @@ def _ascend(ring, models, start, c, d):
 
 
 @_compiled
-def climb(ring, models, c, d):
+def climb(ring, models, start, c, d):
     """nsp.optimum: velocity c, derivatives d; evaluations, and whether a maximum was reached.
 
-    SciPy's Nelder-Mead on -N (Lagarias coefficients), in units of c0, until the simplex is at most 1e-8; then Newton.
+    SciPy's Nelder-Mead on -N (Lagarias coefficients), in units of c0, from a simplex of size `start` until it is at
+    most 1e-8; then Newton.
     """
     simplex, values, unit = np.zeros((3, 2)), np.empty(3), ring.unit
     trial, other, mean = np.empty(2), np.empty(2), np.empty(2)
-    simplex[1, 0] = simplex[2, 1] = nsp.START
+    simplex[1, 0] = simplex[2, 1] = start
     for i in range(3):
         values[i] = -_score(ring, models, simplex[i] * unit)
     used = 3

@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import multiprocessing
 import os
 import threading
-import zipfile
-import zlib
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
@@ -16,23 +12,21 @@ from contextlib import AbstractContextManager, contextmanager
 from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-import scipy
 from threadpoolctl import ThreadpoolController
 
-from leakref import ensemble
+from leakref import ensemble, kept, sources
 from leakref._base import FloatArray, IntArray, LeakrefError
-from leakref._output import write_whole
 from leakref.cases import REALIZATIONS, Configuration
 from leakref.chain import METHODS
 from leakref.ensemble import Ensemble
-from leakref.shell import Extraction
+from leakref.shell import Extraction, Note
 
 __all__ = ["Task", "compute", "connected", "one_thread", "pool", "run", "source_digest"]
 
-_CHAIN = ("_base", "grid", "dispersion", "sea", "synthesis", "window", "spectrum", "leakage", "shell", "nsp",
-          "leastsquares", "chain", "fastspectra", "fastscore", "fast", "ensemble")
+_NO_NUMBER = Note.NO_SIGNAL | Note.UNCONVERGED
 Part = tuple[FloatArray, IntArray]
 """Velocities (w, m, n, 2) and notes (w, m, n) of one realisation under w windows and m methods."""
 
@@ -40,9 +34,7 @@ Part = tuple[FloatArray, IntArray]
 @cache
 def source_digest() -> str:
     """SHA-256 of the source of everything between a sea and its velocities, and of the libraries' versions."""
-    rooms = [(Path(__file__).parent / f"{room}.py").read_bytes() for room in _CHAIN]
-    versions = f"{np.__version__} {scipy.__version__}".encode()
-    return hashlib.sha256(b"\0".join([*rooms, versions])).hexdigest()
+    return sources.digest(__name__)
 
 
 @dataclass(frozen=True)
@@ -54,11 +46,19 @@ class Task:
     methods: tuple[str, ...] = tuple(METHODS)
     route: str = "B"
 
+    @property
+    def about(self) -> dict[str, Any]:
+        """What its result depends on."""
+        return {**asdict(self), "source": source_digest()}
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Windows, methods and wavenumbers of its result."""
+        return len(self.configuration.windows), len(self.methods), self.configuration.wavenumbers.size
+
     def path(self, folder: Path) -> Path:
         """Where its result is kept: another configuration, setting or source is another file."""
-        fields = {**asdict(self), "realization": None, "source": source_digest()}
-        key = hashlib.sha256(json.dumps(fields, sort_keys=True).encode()).hexdigest()[:20]
-        return folder / key / f"{self.realization:05d}.npz"
+        return folder / kept.key({**self.about, "realization": None}) / f"{self.realization:05d}.npz"
 
 
 @cache
@@ -85,19 +85,24 @@ def _stacked(found: Sequence[Extraction], methods: int) -> Part:
 
 
 def _stored(task: Task, folder: Path | None) -> Part | None:
-    """What an earlier run wrote for this task; None if there is nothing, or nothing whole (each array has its CRC)."""
-    if folder is None:
-        return None
-    try:
-        with task.path(folder).open("rb") as stream, np.load(stream, allow_pickle=False) as kept:
-            return kept["velocities"], kept["notes"]
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error):
-        return None
+    """What an earlier run wrote for this task; None if there is nothing, or nothing that can be of it."""
+    shape = task.shape
+    found = folder and kept.arrays(task.path(folder), task.about, velocities=(*shape, 2), notes=shape)
+    return (found["velocities"], found["notes"]) if found and _agree(task, **found) else None
+
+
+def _agree(task: Task, velocities: FloatArray, notes: IntArray) -> bool:
+    """Whether there is a number where the notes allow one, and none only where a note says why."""
+    there = np.isfinite(velocities)
+    silent = np.full(len(task.methods), _NO_NUMBER.value)
+    silent[[method == "ls" for method in task.methods]] |= Note.TOO_FEW_BINS.value
+    none = np.isnan(velocities).all(axis=-1)
+    return bool((there.all(axis=-1) & (notes & silent[:, None] == 0) | none & (notes != 0)).all())
 
 
 def _store(task: Task, folder: Path | None, part: Part) -> None:
     if folder is not None:
-        write_whole(task.path(folder), lambda path: np.savez(path, velocities=part[0], notes=part[1]))
+        kept.keep_arrays(task.path(folder), task.about, velocities=part[0], notes=part[1])
 
 
 def _end_with_parent() -> None:

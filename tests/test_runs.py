@@ -1,6 +1,7 @@
 """Realisations over executors, killed, damaged and resumed: always the same bits."""
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -11,8 +12,9 @@ import distributed
 import numpy as np
 import pytest
 
-from leakref import LeakrefError, runs
+from leakref import LeakrefError, kept, runs
 from leakref.cases import Configuration
+from leakref.shell import Note
 
 SMALL = Configuration("small", direction=60, spread=45, length=2, duration=4)
 TURNED = Configuration("turned", direction=60, spread=45, length=2, duration=4, rotation=30, speed=0.1)
@@ -71,11 +73,97 @@ def test_what_is_there_is_not_computed_again_and_what_is_damaged_is(serial, tmp_
     cut, bent, emptied = (p for p in parts if p.stem in ("00001", "00002", "00003") and p.parent == parts[0].parent)
     cut.write_bytes(cut.read_bytes()[:200])
     content = bytearray(bent.read_bytes())
-    content[len(content) // 3] ^= 1
+    content[content.index(np.load(bent)["velocities"].tobytes()) + 3] ^= 1
     bent.write_bytes(content)
     emptied.write_bytes(b"")
     assert bits(runs.run(BOTH, realizations=NUMBER, folder=tmp_path)) == serial
     assert computed == [1, 2, 3]
+
+
+def rewrite(path, **changes):
+    """The part with some of its arrays others, every checksum of the archive right."""
+    with np.load(path) as stored:
+        arrays = {name: stored[name] for name in stored.files}
+    np.savez(path, **{**arrays, **{name: change(arrays[name]) for name, change in changes.items()}})
+
+
+def planted(where, value):
+    def change(values):
+        values = values.copy()
+        values[where] = value
+        return values
+
+    return change
+
+
+def another_configuration(path, folder):
+    """That of the other configuration, of the same realisation and shape."""
+    other, = (one for one in folder.rglob(path.name) if one.parent != path.parent)
+    shutil.copy(other, path)
+
+
+def resealed(path, task, **changes):
+    """As by somebody who knows how parts are sealed."""
+    with np.load(path) as stored:
+        arrays = {name: stored[name] for name in ("velocities", "notes")}
+    kept.keep_arrays(path, task.about, **{name: changes.get(name, lambda same: same)(a) for name, a in arrays.items()})
+
+
+NUMBER_OF = (0, 0, 0)  # an item that has a number
+HARMS = {
+    "another realisation": lambda path, folder: shutil.copy(path.with_name("00001.npz"), path),
+    "another configuration": another_configuration,
+    "an edited velocity": lambda path, folder: rewrite(path, velocities=planted((*NUMBER_OF, 0), 0.1)),
+    "a last bit": lambda path, folder: rewrite(path, velocities=lambda v: np.nextafter(v, 9)),
+    "an edited note": lambda path, folder: rewrite(path, notes=planted(NUMBER_OF, 1)),
+    "NaN": lambda path, folder: rewrite(path, velocities=planted(NUMBER_OF, np.nan)),
+    "another shape": lambda path, folder: rewrite(path, velocities=lambda v: v[:, :, 1:], notes=lambda n: n[:, :, 1:]),
+    "single precision": lambda path, folder: rewrite(path, velocities=lambda v: v.astype(np.float32)),
+    "one array": lambda path, folder: np.savez(path, velocities=np.load(path)["velocities"]),
+    "as they were once": lambda path, folder: np.savez(path, **{n: np.load(path)[n] for n in ("velocities", "notes")}),
+    "words": lambda path, folder: np.savez(path, velocities=np.array("a"), notes=np.array("b"), about=np.array(1),
+                                           sha256=np.array(2)),
+    "no archive": lambda path, folder: path.write_bytes(b"\x93NUMPY\x01\x00\x10\x00{'descr': "),
+    "a folder": lambda path, folder: (path.unlink(), path.mkdir(), (path / "x").write_text("")),
+    "NaN, sealed": lambda path, folder: resealed(path, TASK, velocities=planted(NUMBER_OF, np.nan)),
+    "infinity, sealed": lambda path, folder: resealed(path, TASK, velocities=planted(NUMBER_OF, np.inf)),
+    "half a number, sealed": lambda path, folder: resealed(path, TASK, velocities=planted((*NUMBER_OF, 1), np.nan)),
+    "no signal, yet a number, sealed": lambda path, folder: resealed(
+        path, TASK, notes=planted(NUMBER_OF, Note.NO_SIGNAL.value)),
+    "ls of one bin, yet a number, sealed": lambda path, folder: resealed(
+        path, TASK, notes=planted((0, 1, 0), Note.TOO_FEW_BINS.value)),
+    "another shape, sealed": lambda path, folder: resealed(path, TASK, velocities=lambda v: v[:, :, 1:]),
+}
+TASK = runs.Task(SMALL, 0)
+
+
+@pytest.mark.parametrize("harm", HARMS)
+def test_a_part_that_is_not_of_this_task_is_never_taken(harm, serial, tmp_path, monkeypatch):
+    """Whatever stands in the place of realisation 0: it is computed again, and no other part is."""
+    assert bits(runs.run(BOTH, realizations=NUMBER, folder=tmp_path)) == serial
+    path = TASK.path(tmp_path)
+    HARMS[harm](path, tmp_path)
+    if path.is_dir():
+        assert runs._stored(TASK, tmp_path) is None  # it cannot be replaced either, which is said then
+        return
+    computed = []
+    compute = runs.compute
+    monkeypatch.setattr(runs, "compute", lambda task: computed.append(task) or compute(task))
+    assert bits(runs.run(BOTH, realizations=NUMBER, folder=tmp_path)) == serial
+    assert computed == [TASK]
+    assert runs._stored(TASK, tmp_path) is not None
+
+
+def test_no_number_with_a_note_is_taken_and_every_part_that_is_written_is(tmp_path):
+    for task in (TASK, runs.Task(TURNED, 3), runs.Task(SMALL, 0, ("ls",)), runs.Task(SMALL, 0, ("ls", "nsp"))):
+        part = runs.compute(task)
+        runs._store(task, tmp_path, part)
+        for found, written in zip(runs._stored(task, tmp_path), part, strict=True):
+            np.testing.assert_array_equal(found, written)
+    velocities, notes = part
+    velocities[0, 0, 0], notes[0, 0, 0] = np.nan, Note.NO_SIGNAL.value
+    runs._store(task, tmp_path, (velocities, notes))
+    assert np.isnan(runs._stored(task, tmp_path)[0][0, 0, 0]).all()
 
 
 def test_other_settings_or_sources_are_other_files(tmp_path, monkeypatch):

@@ -83,6 +83,13 @@ def test_the_study_goes_on_where_it_stopped(few, tmp_path, monkeypatch):
     whole.write_text(whole.read_text(encoding="utf-8")[:-20], encoding="utf-8")  # torn
     monkeypatch.setattr(strength, "compute", compute)
     assert study(work=tmp_path) == first
+    other = next(tmp_path.rglob("fault-two*.json"))
+    for harm in (lambda text: text.replace('"effect_over_tolerance": ', '"effect_over_tolerance": 1'),
+                 lambda _: whole.read_text(encoding="utf-8")):
+        text = other.read_text(encoding="utf-8")
+        other.write_text(harm(text), encoding="utf-8")  # edited, and another's
+        assert other.read_text(encoding="utf-8") != text
+        assert study(work=tmp_path) == first
 
 
 def test_another_source_is_another_place(tmp_path, monkeypatch):

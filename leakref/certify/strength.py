@@ -8,14 +8,11 @@ null hypothesis.
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, as_completed
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
 from functools import cache
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +20,7 @@ import numpy as np
 from scipy.stats import binomtest
 from scipy.stats import t as student
 
-from leakref import fast, runs
+from leakref import fast, kept, runs, sources
 from leakref._base import FloatArray
 from leakref._output import dump, envelope, folder, plain, progress_bar, write_whole
 from leakref.certify import cubes, faults, variants
@@ -36,6 +33,8 @@ from leakref.certify.statistics import FALSE_ALARMS, share
 from leakref.certify.variants import VARIANTS
 from leakref.certify.verdict import WRONG, Finding, Verdict
 from leakref.dispersion import Current, ExponentialCurrent, LinearCurrent, UniformCurrent
+from leakref.golden import locate
+from leakref.golden.beside import noted
 from leakref.grid import Grid
 
 __all__ = ["DISTINCT", "SEEDS", "Job", "classes", "compute", "false_alarms", "fresh", "jobs", "run", "study"]
@@ -65,6 +64,11 @@ class Job:
         name = f"{self.kind}-{self.id}" + ("-full" if self.full else "") + f"-{self.seed}" * (self.seed is not None)
         return work / source_digest()[:20] / f"{name}.json"
 
+    @property
+    def about(self) -> dict[str, Any]:
+        """What its result depends on."""
+        return {**asdict(self), "source": source_digest()}
+
 
 def jobs(*, full: bool = False) -> list[Job]:
     """What there is to do, in the order in which it is reported."""
@@ -76,14 +80,8 @@ def jobs(*, full: bool = False) -> list[Job]:
 
 @cache
 def source_digest() -> str:
-    """SHA-256 of the chain, the checks and what they lean on, faults, variants, this file and the golden set."""
-    here = Path(__file__).parent
-    judges = ("cubes", "expected", "judging", "statistics", "registry", "subject", "inprocess", "declaration",
-              "verdict", "choice", "faults", "variants", "strength", "../altered")
-    sources = [*(here / f"{name}.py" for name in judges), *sorted((here / "checks").glob("*.py"))]
-    golden = resources.files("leakref._golden").joinpath("v1", "manifest.json").read_bytes()
-    return hashlib.sha256(b"\0".join([*(path.read_bytes() for path in sources), golden,
-                                      runs.source_digest().encode()])).hexdigest()
+    """SHA-256 of the sources of the chain, the checks, faults, variants and what they lean on, and the golden set."""
+    return sources.digest(__name__, more=locate().joinpath("manifest.json").read_bytes())
 
 
 def compute(job: Job) -> dict[str, Any]:
@@ -256,11 +254,11 @@ def _errors(name: str) -> dict[str, Any]:
     for number in range(_STORED):
         cube = cubes.sea(given["direction"], given["spread"], current, realization=10_000 + number)
         answers = fast.realize(cube.components, cube.grid, cube.wavenumbers, windows=("hann",), methods=tuple(errors))
-        for method, kept in errors.items():
+        for method, found in errors.items():
             answer = answers["hann", method]
             clear = np.array([not note for note in answer.notes])
             if clear.any():
-                kept.append(float(np.hypot(*(answer.velocities - cube.truth)[clear].T).mean()))
+                found.append(float(np.hypot(*(answer.velocities - cube.truth)[clear].T).mean()))
     return {**errors, "resolution": float(cube.resolutions[0].mean())}
 
 
@@ -306,13 +304,13 @@ def study(*, full: bool = False, work: Path | None = None, executor: Executor | 
     what is already there is not computed again. Results do not depend on the executor or the order of completion.
     """
     todo = jobs(full=full)
-    done = {job: record for job in todo if (record := _stored(job, work)) is not None}
+    done = {job: record for job in todo if work and (record := kept.record(job.path(work), job.about)) is not None}
     for _ in done:
         after_each()
     for job, record in _computed([job for job in todo if job not in done], executor):
         done[job] = record
         if work is not None:
-            _store(job, work, record)
+            kept.keep_record(job.path(work), job.about, record)
         after_each()
     by_kind = {kind: [done[job] for job in todo if job.kind == kind] for kind in ("fault", "variant", "null")}
     return _summary(by_kind["fault"], by_kind["variant"], {r["id"]: r["errors"] for r in by_kind["null"]}, full=full)
@@ -325,21 +323,6 @@ def _computed(waiting: Sequence[Job], executor: Executor | None) -> Iterator[tup
     futures = {executor.submit(compute, job): job for job in waiting}
     for future in as_completed(futures):
         yield futures[future], plain(future.result())
-
-
-def _stored(job: Job, work: Path | None) -> dict[str, Any] | None:
-    if work is None:
-        return None
-    try:
-        kept = json.loads(job.path(work).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return None
-    return kept["record"] if isinstance(kept, dict) and kept.get("job") == asdict(job) else None
-
-
-def _store(job: Job, work: Path, record: Mapping[str, Any]) -> None:
-    text = dump({"job": asdict(job), "record": record})
-    write_whole(job.path(work), lambda path: path.write_text(text, encoding="utf-8"))
 
 
 def _summary(killed: Sequence[Mapping[str, Any]], trials: Sequence[Mapping[str, Any]],
@@ -387,7 +370,7 @@ def run(*, full: bool = False, out: Path = Path("leakref-results/strength"), wor
     with runs.pool(workers) as executor, progress_bar("strength", len(jobs(full=full))) as step:
         found = study(full=full, work=work, executor=executor, after_each=step)
     record = envelope("strength", not found["problems"], **found)
-    write_whole(out / "strength.json", lambda path: path.write_text(pretty(record), encoding="utf-8"))
+    noted(write_whole(out / "strength.json", lambda path: path.write_text(pretty(record), encoding="utf-8")))
     if json:
         print(dump(record))
     else:

@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
-import zipfile
-import zlib
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import asdict, dataclass, replace
+from functools import cache
 from itertools import repeat
 from pathlib import Path
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 from scipy.ndimage import affine_transform
 from scipy.optimize import minimize
 
-from leakref import fast, leakage, leastsquares, nsp, runs
+from leakref import fast, kept, leakage, leastsquares, nsp, runs, sources
 from leakref._base import FloatArray, LeakrefError
-from leakref._output import write_whole
 from leakref.cases import Configuration
 from leakref.chain import METHODS, analyse
 from leakref.ensemble import Ensemble
@@ -30,7 +27,7 @@ from leakref.synthesis import synthesize
 from leakref.window import Window
 from leakref.window import window as named_window
 
-__all__ = ["PLAIN", "RESAMPLED", "Evidence", "Setting", "peak_waves", "resampled"]
+__all__ = ["PLAIN", "RESAMPLED", "Evidence", "Setting", "kept_velocities", "peak_waves", "resampled", "source_digest"]
 
 RESAMPLED = 5
 """Realisations whose images are resampled: they go through the surface and its FFT, which takes half a minute each."""
@@ -100,19 +97,29 @@ class Evidence:
 
 def _special(configuration: Configuration, realization: int, setting: Setting, folder: Path | None) -> FloatArray:
     """Velocities (w, m, n, 2) under a setting, from the folder if they are there."""
-    key = json.dumps([asdict(configuration), asdict(setting), runs.source_digest()], sort_keys=True)
-    path = None if folder is None else (
-        folder / f"claims-{hashlib.sha256(key.encode()).hexdigest()[:20]}" / f"{realization:05d}.npz")
-    if path is not None:
-        try:
-            with path.open("rb") as stream, np.load(stream, allow_pickle=False) as kept:
-                return kept["velocities"]
-        except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error):
-            pass  # nothing there, or nothing whole
+    about = {"configuration": asdict(configuration), "setting": asdict(setting), "source": source_digest()}
+    shape = (len(configuration.windows), len(METHODS), configuration.wavenumbers.size, 2)
+    return kept_velocities(folder and folder / f"claims-{kept.key(about)}" / f"{realization:05d}.npz",
+                           {**about, "realization": realization}, shape,
+                           _computed, configuration, realization, setting)
+
+
+@cache
+def source_digest() -> str:
+    """SHA-256 of the sources of what is computed here, and of the libraries' versions."""
+    return sources.digest(__name__)
+
+
+def kept_velocities(path: Path | None, about: kept.About, shape: tuple[int, ...],
+                    compute: Callable[..., FloatArray], *given: Any) -> FloatArray:
+    """Velocities from the file `path` if they are there, else `compute(*given)` in one thread, and left there."""
+    found = path and kept.arrays(path, about, velocities=shape)
+    if found:
+        return found["velocities"]
     with runs.one_thread():
-        velocities = _computed(configuration, realization, setting)
+        velocities = compute(*given)
     if path is not None:
-        write_whole(path, lambda beside: np.savez(beside, velocities=velocities))
+        kept.keep_arrays(path, about, velocities=velocities)
     return velocities
 
 

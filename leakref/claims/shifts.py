@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
-import zipfile
-import zlib
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import Executor
 from dataclasses import asdict
-from functools import lru_cache, partial
+from functools import cache, lru_cache
 from itertools import product, repeat
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from leakref import fastspectra, leastsquares, runs
+from leakref import fastspectra, kept, leastsquares, runs, sources
 from leakref._base import FloatArray
-from leakref._output import write_whole
 from leakref.cases import Configuration, configurations
-from leakref.claims.evidence import PLAIN, Evidence, Setting, peak_waves, resampled
+from leakref.claims.evidence import PLAIN, Evidence, Setting, kept_velocities, peak_waves, resampled
 from leakref.claims.registry import Claim
 from leakref.claims.variants import CONFIGURATIONS, VARIANTS, Variant
 from leakref.claims.words import Sample, smaller
@@ -72,12 +67,16 @@ def velocities(variant: Variant, configuration: Configuration, realization: int,
     return result
 
 
-def _path(variant: Variant, configuration: Configuration, realization: int, setting: Setting, windows: Sequence[str],
-          folder: Path) -> Path:
-    chain = [asdict(change) for change in (*variant.changes, *variant.fast)]
-    key = json.dumps([chain, variant.methods, windows, asdict(variant.setting), asdict(configuration),
-                      asdict(setting), runs.source_digest()], sort_keys=True)
-    return folder / f"variant-{hashlib.sha256(key.encode()).hexdigest()[:20]}" / f"{realization:05d}.npz"
+@cache
+def _source_digest() -> str:
+    return sources.digest(__name__)
+
+
+def _about(variant: Variant, configuration: Configuration, setting: Setting, windows: Sequence[str]) -> dict[str, Any]:
+    """What velocities under a variant depend on."""
+    return {"changes": [asdict(change) for change in (*variant.changes, *variant.fast)], "methods": variant.methods,
+            "windows": windows, "data": asdict(variant.setting), "configuration": asdict(configuration),
+            "setting": asdict(setting), "source": _source_digest()}
 
 
 def _kept(variants: Sequence[Variant], windows: Sequence[Sequence[str]], configuration: Configuration, realization: int,
@@ -86,18 +85,12 @@ def _kept(variants: Sequence[Variant], windows: Sequence[Sequence[str]], configu
     where they are not."""
     found = []
     for variant, own in zip(variants, windows, strict=True):
-        path = None if folder is None else _path(variant, configuration, realization, setting, own, folder)
-        try:
-            if path is None:
-                raise FileNotFoundError
-            with path.open("rb") as stream, np.load(stream, allow_pickle=False) as kept:
-                found.append(kept["velocities"])
-        except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error):
-            with runs.one_thread():
-                one = velocities(variant, configuration, realization, setting, own)
-            if path is not None:
-                write_whole(path, partial(np.savez, velocities=one))
-            found.append(one)
+        about = _about(variant, configuration, setting, own)
+        path = folder and folder / f"variant-{kept.key(about)}" / f"{realization:05d}.npz"
+        shape = (sum(name in own for name in configuration.windows), len(variant.methods),
+                 configuration.wavenumbers.size, 2)
+        found.append(kept_velocities(path, {**about, "realization": realization}, shape,
+                                     velocities, variant, configuration, realization, setting, own))
     return found
 
 

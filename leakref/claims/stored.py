@@ -2,34 +2,24 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from leakref import LeakrefError
 from leakref._output import dump, write_whole
+from leakref.golden import beside
 
 __all__ = ["by_line", "stored_claim", "stored_claims", "stored_decision", "stored_decisions", "turned", "write"]
 
 
-def _read(name: str) -> dict[str, Any]:
-    try:
-        return json.loads(resources.files("leakref._golden").joinpath(name).read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise LeakrefError("claims", f"golden/{name} cannot be read ({type(error).__name__})",
-                           "compute it with `leakref claims --out`, or install again") from None
-
-
 def stored_claims() -> dict[str, Any]:
-    """The JSON of `leakref claims` with 100 realisations, golden/claims.json. Raises LeakrefError if there is none."""
-    return _read("claims.json")
+    """The JSON of `leakref claims` with 100 realisations, golden/claims.json. Raises Damaged if it is not whole."""
+    return dict(beside.read("claims.json"))
 
 
 def stored_decisions() -> dict[str, Any]:
-    """The JSON of `leakref claims --decisions`, golden/decisions.json. Raises LeakrefError if there is none."""
-    return _read("decisions.json")
+    """The JSON of `leakref claims --decisions`, golden/decisions.json. Raises Damaged if it is not whole."""
+    return dict(beside.read("decisions.json"))
 
 
 def stored_claim(id: str) -> dict[str, Any] | None:
@@ -56,4 +46,6 @@ def by_line(result: dict[str, Any], lists: Sequence[str]) -> str:
 
 def write(path: Path, result: dict[str, Any], lists: Sequence[str]) -> Path:
     """The file `path` of `by_line`, whole or not at all."""
-    return write_whole(path, lambda beside: beside.write_text(by_line(result, lists), encoding="utf-8"))
+    written = write_whole(path, lambda place: place.write_text(by_line(result, lists), encoding="utf-8"))
+    beside.noted(written)
+    return written

@@ -17,7 +17,7 @@ import hashlib
 import io
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from importlib import resources
@@ -26,15 +26,17 @@ from typing import Any
 
 import numpy as np
 
-from leakref._base import FloatArray, LeakrefError
+from leakref._base import Damaged, FloatArray, LeakrefError
 
-__all__ = ["EPSILON", "MARGIN", "SCHEMA_VERSION", "SETS", "Entry", "Failure", "Golden", "Report", "agreed_digits",
-           "canonical", "compare", "digest", "entry_digest", "lint", "locate", "tolerance"]
+__all__ = ["EPSILON", "MARGIN", "PUT_BACK", "SCHEMA_VERSION", "SETS", "Entry", "Failure", "Golden", "Report",
+           "agreed_digits", "canonical", "compare", "digest", "entry_digest", "lint", "locate", "sealed", "strict",
+           "tolerance"]
 
 EPSILON = 2.0**-52
 MARGIN = 8.0
 """Between one rounding of every operation, as the conditioning counts it, and what is let pass."""
 SCHEMA_VERSION = 1
+PUT_BACK = "put the file back: install again, or take it from version control"
 _FORM = 4  # items of an array that show its form
 SETS = ("vectors", "analytic", "realizations", "ensembles")
 """The folders of a set, from quick to slow."""
@@ -141,7 +143,11 @@ def locate(number: int = 1) -> Traversable:
 
 
 class Golden:
-    """A set of golden values in `folder`. Files are read when asked for; `LeakrefError` if one cannot be."""
+    """A set of golden values in `folder`.
+
+    Files are read when asked for, and compared with the digests of the manifest before anything in them is used;
+    `Damaged` if one cannot be read or was changed.
+    """
 
     def __init__(self, folder: Traversable | None = None) -> None:
         self.folder = locate() if folder is None else folder
@@ -150,33 +156,43 @@ class Golden:
         try:
             return self.folder.joinpath(*name.split("/")).read_bytes()
         except OSError as error:
-            raise LeakrefError("golden", f"{name} cannot be read ({type(error).__name__})",
-                               "put the file back: install again, or take it from version control") from None
+            raise Damaged("golden", f"{name} cannot be read ({type(error).__name__})", PUT_BACK) from None
 
-    def _json(self, name: str) -> Any:
-        try:
-            return json.loads(self._read(name), parse_constant=_no_constant, object_pairs_hook=_no_twins)
-        except ValueError as error:
-            if isinstance(error, LeakrefError):
-                raise
-            raise LeakrefError("golden", f"{name} is not strict JSON ({error})", "put the file back") from None
+    def _json(self, name: str, content: bytes | None = None) -> Any:
+        return strict(name, self._read(name) if content is None else content)
 
     @cached_property
     def manifest(self) -> dict[str, Any]:
         """What the set says it holds."""
-        return dict(self._json("manifest.json"))
+        said = self._json("manifest.json")
+        if not isinstance(said, dict) or not isinstance(said.get("files"), dict) or not sealed(said):
+            raise Damaged("golden", "manifest.json was changed: its own SHA-256 is not that of what it says", PUT_BACK)
+        return said
+
+    def _unchanged(self, name: str) -> bytes:
+        """A file of the set that has the digest of the manifest."""
+        content = self._read(name)
+        if hashlib.sha256(content).hexdigest() != self.manifest["files"].get(name, {}).get("sha256"):
+            raise Damaged("golden", f"{name} was changed: its SHA-256 is not the manifest's", PUT_BACK)
+        return content
 
     def file(self, name: str) -> list[Entry]:
         """The entries of one JSON file of the set, with the arrays that lie beside it."""
+        return self.as_it_is(name, self._unchanged)
+
+    def as_it_is(self, name: str, read: Callable[[str], bytes] | None = None) -> list[Entry]:
+        """The same whatever the manifest says: for finding out what was changed."""
+        read = read or self._read
         beside = name.removesuffix(".json") + ".npz"
         arrays: dict[str, FloatArray] = {}
         if self.folder.joinpath(*beside.split("/")).is_file():
+            content = read(beside)
             try:
-                with np.load(io.BytesIO(self._read(beside)), allow_pickle=False) as stored:
+                with np.load(io.BytesIO(content), allow_pickle=False) as stored:
                     arrays = {key: stored[key] for key in stored.files}
             except Exception as error:  # zip, CRC, header: whatever an edited archive may raise
-                raise LeakrefError("golden", f"{beside} cannot be read ({error})", "put the file back") from None
-        return [Entry(name, record, arrays) for record in self._json(name)["entries"]]
+                raise Damaged("golden", f"{beside} cannot be read ({error})", PUT_BACK) from None
+        return [Entry(name, record, arrays) for record in self._json(name, read(name))["entries"]]
 
     def entries(self, *sets: str) -> Iterator[Entry]:
         """The entries of the given parts (default: all there are) in the order of the manifest."""
@@ -191,6 +207,19 @@ class Golden:
                 return next(entry for entry in self.file(name) if entry.id == identifier)
         raise LeakrefError("golden", f"no golden value is called {identifier!r}", "`leakref golden lint --json` counts "
                            "what there is; ids are in golden/v1/manifest.json")
+
+
+def strict(name: str, content: bytes) -> Any:
+    """What the file `name` says; `Damaged` if it is not strict JSON."""
+    try:
+        return json.loads(content, parse_constant=_no_constant, object_pairs_hook=_no_twins)
+    except (ValueError, RecursionError) as error:
+        raise Damaged("golden", f"{name} is not strict JSON ({error})", PUT_BACK) from None
+
+
+def sealed(manifest: Mapping[str, Any]) -> bool:
+    """Whether a manifest is as it was written, by its own digest."""
+    return manifest.get("sha256") == digest({key: value for key, value in manifest.items() if key != "sha256"})
 
 
 def _no_constant(name: str) -> float:
@@ -253,17 +282,19 @@ def lint(golden: Golden | None = None) -> Report:
     """See that the set is whole and unchanged: schemas, counts, ids, digests, purposes, tolerances."""
     golden = golden or Golden()
     try:
-        manifest, schema, as_stored = golden.manifest, golden._json("schema.json"), golden._read("schema.json")
+        manifest, schema, as_stored = (golden._json("manifest.json"), golden._json("schema.json"),
+                                       golden._read("schema.json"))
         if hashlib.sha256(as_stored).hexdigest() != manifest["files"]["schema.json"]["sha256"]:
             return Report([], 0, [Failure("schema.json", "was changed: its SHA-256 is not the manifest's")])
     except LeakrefError as error:
-        return Report([], 0, [Failure("manifest.json", error.fault)])
+        named = error.fault.split()[0]
+        return Report([], 0, [Failure(named if named == "schema.json" else "manifest.json", error.fault)])
     except (KeyError, TypeError, ValueError):
         return Report([], 0, [Failure("manifest.json", "does not say which files the set has")])
     failures = [Failure("manifest.json", message) for message in _schema_faults(manifest, schema, "manifest")]
     if failures:
         return Report([], 0, failures)
-    if manifest["sha256"] != digest({key: value for key, value in manifest.items() if key != "sha256"}):
+    if not sealed(manifest):
         failures.append(Failure("manifest.json", "was changed: its own SHA-256 is not that of what it says"))
     seen: dict[str, Entry] = {}
     rows = {part["name"]: {"name": part["name"], "state": part["state"], "files": 0, "entries": 0, "values": 0}
@@ -271,7 +302,7 @@ def lint(golden: Golden | None = None) -> Report:
     for name, row in manifest["files"].items():
         try:
             same = hashlib.sha256(golden._read(name)).hexdigest() == row["sha256"]
-            entries = golden.file(name) if "entries" in row else []
+            entries = golden.as_it_is(name) if "entries" in row else []
         except (LeakrefError, KeyError, TypeError) as error:
             fault = error.fault if isinstance(error, LeakrefError) else f"has no {error}"
             ids = ", ".join(row.get("entries", ()))

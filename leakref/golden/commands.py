@@ -11,11 +11,12 @@ from rich.table import Table
 
 from leakref import LeakrefError
 from leakref._output import console, dump, envelope, folder, progress_bar
-from leakref.golden import Golden, Report, lint, locate
+from leakref.golden import Golden, Report, beside, lint, locate
 
 __all__ = ["run_lint", "run_regenerate", "run_verify"]
 
 NOTHING_TO_JUDGE = 3
+FILES = "files"
 
 
 def _opened(number: int, place: Path | None) -> Golden:
@@ -43,21 +44,32 @@ def _shown(title: str, report: Report, json: bool, ok: bool, **fields: Any) -> N
     show.print("[green]holds[/green]" if ok else f"{len(report.failures)} fell short")
 
 
+def _linted(golden: Golden, place: Path | None) -> Report:
+    """The set and, unless it stands alone, what lies beside it."""
+    report = lint(golden)
+    folder = beside.home() if place is None else place.resolve().parent
+    if place is not None and not folder.joinpath(beside.MANIFEST).is_file():
+        return report
+    row, failures = beside.lint(folder)
+    return Report([*report.sets, row], report.values, [*report.failures, *failures])
+
+
 def run_lint(number: int, place: Path | None, *, json: bool) -> bool:
-    """Whether the set is whole and unchanged."""
-    report = lint(_opened(number, place))
+    """Whether the set is whole and unchanged, and so is what lies beside it."""
+    report = _linted(_opened(number, place), place)
     _shown("lint", report, json, report.ok)
     return report.ok
 
 
 def run_verify(wanted: Sequence[str], number: int, place: Path | None, *, full: bool, route: str, work: Path,
                workers: int, json: bool) -> int:
-    """0 if everything computed again agrees, 1 if not, 3 if there was nothing to compute."""
+    """0 if everything computed again agrees, 1 if not, 3 if the set was changed or there was nothing to compute."""
     golden = _opened(number, place)
     if route not in ("A", "B"):
         raise LeakrefError("golden", f"no route named {route!r}", "choose A (surface and FFT) or B (closed form)")
     report = lint(golden)
-    if not report.failures:
+    whole = not report.failures  # by what was changed nothing can be judged
+    if whole:
         from leakref.golden import making
 
         kept = folder(work) if full or wanted else None
@@ -65,19 +77,26 @@ def run_verify(wanted: Sequence[str], number: int, place: Path | None, *, full: 
             report = making.verify(golden, full=full, wanted=wanted, route=route, work=kept, workers=workers,
                                    step=step)
     _shown("verify", report, json, report.ok, full=full)
-    return 0 if report.ok else 1 if report.failures else NOTHING_TO_JUDGE
+    return 0 if report.ok else 1 if report.failures and whole else NOTHING_TO_JUDGE
 
 
 def run_regenerate(wanted: Sequence[str], number: int, place: Path | None, *, work: Path, workers: int,
                    json: bool) -> bool:
-    """Whether nothing differs that was not named; see `making.regenerate`."""
+    """Whether nothing differs that was not named; see `making.regenerate`. `files` are those beside the sets."""
     from leakref.golden import making
 
     target = place or Path(str(locate(number)))
-    folder(work)
-    with progress_bar("golden entries", len(wanted) or len(making.ids(*("vectors", "analytic")))) as step:
-        rows, settled = making.regenerate(wanted, target, work=work, workers=workers, step=step)
-    report = lint(Golden(target)) if settled else Report([], 0)
+    values = [name for name in wanted if name != FILES]
+    rows: list[dict[str, Any]] = []
+    settled = True
+    if values or not wanted:
+        folder(work)
+        with progress_bar("golden entries", len(values) or len(making.ids(*("vectors", "analytic")))) as step:
+            rows, settled = making.regenerate(values, target, work=work, workers=workers, step=step)
+    if FILES in wanted:
+        rows += [{"id": f"golden/{name}", "change": "digest", "largest": None, "over_tolerance": None, "written": True}
+                 for name in beside.record(target.resolve().parent)]
+    report = _linted(Golden(target), place) if settled else Report([], 0)
     ok = settled and not report.failures
     if json:
         _shown("regenerate", report, True, ok, changes=rows)

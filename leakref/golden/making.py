@@ -11,14 +11,14 @@ import json
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from fnmatch import fnmatchcase
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from leakref import __version__, ensemble, runs, witness
+from leakref import __version__, ensemble, kept, runs, sources, witness
 from leakref._base import FloatArray, LeakrefError
 from leakref._output import plain as to_json
 from leakref._output import write_whole
@@ -28,6 +28,8 @@ from leakref.decisions import DECISIONS
 from leakref.ensemble import Ensemble
 from leakref.golden import (MARGIN, SCHEMA_VERSION, SETS, Entry, Failure, Golden, Report, agreed_digits, compare,
                             digest, entry_digest, tolerance)
+from leakref.golden.beside import noted
+from leakref.golden.same import agree, alike, given
 from leakref.golden.stages import STAGES, UNFLAGGED, plain, softness, velocity_conditioning
 from leakref.golden.vectors import VECTORS, Vector
 from leakref.shell import Extraction, Note
@@ -112,18 +114,18 @@ def _head(identifier: str, stage: str, difficulty: str, purpose: str, equation: 
             "equation": equation, "decisions": list(decisions), "supersedes": supersedes}
 
 
-def _vector(vector: Vector) -> dict[str, Any]:
-    """The record of a vector, by every route and the witness."""
-    stage = STAGES[vector.stage]
-    found = {route: compute(vector.input) for route, compute in stage.routes.items()}
+def _vector(vector: Vector, before: Entry | None = None) -> dict[str, Any]:
+    """The record of a vector, by every route and the witness; `before` is what the set has of it."""
+    stage, put_in = STAGES[vector.stage], given(vector, before)
+    found = {route: compute(put_in) for route, compute in stage.routes.items()}
     first = next(iter(found))
     if stage.witness is not None:
-        found["mpmath"] = witness.at_digits(stage.witness)(vector.input, found[first])
+        found["mpmath"] = witness.at_digits(stage.witness)(put_in, found[first])
     rounded = {route: plain(outputs) for route, outputs in found.items()}
-    conditioning = stage.conditioning(vector.input, {n: v for n, v in rounded[first].items() if n != "notes"})
+    conditioning = stage.conditioning(put_in, {n: v for n, v in rounded[first].items() if n != "notes"})
     head = _head(vector.id, vector.stage, vector.difficulty, vector.purpose, stage.equation, vector.faults,
                  vector.decisions, vector.supersedes)
-    return _entry(head, vector.input, rounded, "mpmath" if stage.witness is not None else first, conditioning)
+    return _entry(head, put_in, rounded, "mpmath" if stage.witness is not None else first, conditioning)
 
 
 # ---------------------------------------------------------------- realisations and ensembles
@@ -299,11 +301,15 @@ def _configuration(identifier: str) -> Configuration:
     return next(c for members in CASES.values() for c in members if c.id == name)
 
 
-def _make(wanted: Sequence[str], work: Path | None, workers: int, step: Step) -> Iterator[dict[str, Any]]:
-    """The records of the `wanted` ids. Slow ones that were done before, by the same source, are found in `work`."""
+def _make(wanted: Sequence[str], old: Mapping[str, Entry], work: Path | None, workers: int,
+          step: Step) -> Iterator[dict[str, Any]]:
+    """The records of the `wanted` ids, from the inputs of `old` ones.
+
+    Slow ones that were done before, by the same source, are found in `work`.
+    """
     vectors = {v.id: v for members in VECTORS.values() for v in members}
     for identifier in (i for i in wanted if i in vectors):
-        yield _vector(vectors[identifier])
+        yield _vector(vectors[identifier], old.get(identifier))
         step()
     for record in _certified([i for i in wanted if i.startswith("realization-")], work, workers):
         yield record
@@ -338,24 +344,18 @@ def _resumed(identifier: str, work: Path | None, make: Callable[[], dict[str, An
     """A record from `work`, if an earlier run of the same source left it there, else made and left there."""
     if work is None:
         return make()
-    key = hashlib.sha256(f"{identifier} {runs.source_digest()} {_own_digest()}".encode()).hexdigest()[:20]
-    path = work / "entries" / f"{key}.json"
-    try:
-        kept = json.loads(path.read_text(encoding="utf-8"))
-        if kept["digest"] == digest(kept["record"]):
-            return dict(kept["record"])
-    except (OSError, ValueError, KeyError):
-        pass
-    record: dict[str, Any] = json.loads(json.dumps(to_json(make())))
-    text = json.dumps({"digest": digest(record), "record": record}, ensure_ascii=False)
-    write_whole(path, lambda beside: beside.write_text(text, encoding="utf-8"))
-    return record
+    about = {"id": identifier, "source": _source_digest()}
+    path = work / "entries" / f"{kept.key(about)}.json"
+    found = kept.record(path, about)
+    if found is None:
+        found = json.loads(json.dumps(to_json(make())))
+        kept.keep_record(path, about, found)
+    return dict(found)
 
 
-def _own_digest() -> str:
-    here = Path(__file__).parent
-    return hashlib.sha256(b"\0".join((here / f"{name}.py").read_bytes() for name in
-                                     ("__init__", "making", "stages", "vectors"))).hexdigest()
+@cache
+def _source_digest() -> str:
+    return sources.digest(__name__)
 
 
 # ---------------------------------------------------------------- writing
@@ -414,19 +414,19 @@ def _write_manifest(folder: Path) -> None:
             name = f"{part}/{path.name}"
             files[name] = {"sha256": hashlib.sha256(path.read_bytes()).hexdigest()}
             if path.suffix == ".json":
-                found = golden.file(name)
+                found = golden.as_it_is(name)
                 files[name]["entries"] = {entry.id: entry_digest(entry) for entry in found}
                 entries, values = entries + len(found), values + sum(entry.values for entry in found)
         of = len(ids(part))
         state = "complete" if entries >= of else "partial" if entries else "absent"
         parts.append({"name": part, "state": state, "entries": entries, "of": of, "values": values})
     files["schema.json"] = {"sha256": hashlib.sha256((folder / "schema.json").read_bytes()).hexdigest()}
-    name = golden.manifest["set"] if (folder / "manifest.json").is_file() else folder.name
+    name = golden._json("manifest.json")["set"] if (folder / "manifest.json").is_file() else folder.name
     manifest = {"schema": f"leakref/golden-manifest/{SCHEMA_VERSION}", "set": name, "license": "CC0-1.0",
                 "made_by": f"leakref {__version__}", "margin": MARGIN, "parts": parts,
                 "decisions": {d.id: d.reference for d in DECISIONS.values()}, "files": files}
     manifest["sha256"] = digest(manifest)
-    write_whole(folder / "manifest.json", partial(_write_text, _text(manifest) + "\n"))
+    noted(write_whole(folder / "manifest.json", partial(_write_text, _text(manifest) + "\n")))
 
 
 def regenerate(wanted: Sequence[str], folder: Path, *, work: Path | None = None, workers: int = 1,
@@ -450,23 +450,26 @@ def regenerate(wanted: Sequence[str], folder: Path, *, work: Path | None = None,
                                "define it in leakref/golden/vectors.py first; ids are listed in the manifest")
     chosen = list(dict.fromkeys([*exact, *matching])) if wanted else [i for i in possible if i in old]
     archived = {v.id: v.archived for members in VECTORS.values() for v in members}
-    rows, beside = [], dict(old)
-    for record in _make(chosen, work, workers, step):
+    rows: list[dict[str, Any]] = []
+    beside = dict(old)
+    for record in _make(chosen, old, work, workers, step):
         record = json.loads(json.dumps(to_json(record)))
         if record["stage"] == "ensemble":
             _inherit(record, old)
         record, arrays = _split(record, possible[record["id"]], archived.get(record["id"], ()))
         new = Entry(possible[record["id"]], record, arrays)
         before = old.get(new.id)
+        if before is not None and agree(before, new):
+            rows.append({"id": new.id, "change": "same", "largest": 0.0, "over_tolerance": 0.0, "written": False})
+            continue
         take = new.id in exact or new.id in matching
         rows.append({"id": new.id, **_difference(before, new, take)})
         beside[new.id] = new
         if take:
             old[new.id] = new
             _save(folder, old, possible, new.file)  # at once: an interrupted run keeps what it has made
-    if wanted:
-        if chosen:
             _write_manifest(folder)
+    if wanted:
         return rows, True
     changed = {row["id"] for row in rows if row["change"] != "same"}
     for file in sorted({beside[i].file for i in changed}):
@@ -487,8 +490,6 @@ def _difference(before: Entry | None, after: Entry, taken: bool) -> dict[str, An
     """What changed between two records of one id: largest change of a value, over its tolerance, and other keys."""
     if before is None:
         return {"change": "new", "largest": None, "over_tolerance": None, "written": taken}
-    if entry_digest(before) == entry_digest(after):
-        return {"change": "same", "largest": 0.0, "over_tolerance": 0.0, "written": False}
     largest = over = 0.0
     for name in set(before.output) & set(after.output):
         a, b = before.output[name], after.output[name]
@@ -589,7 +590,7 @@ def _verify_realizations(entries: Sequence[Entry], full: bool, work: Path | None
     again = {record["id"]: record for record in _certified(by_surface, work, workers)}
     for entry in entries:
         c, number = _configuration(entry.id), int(entry.record["input"]["realization"])
-        if _described(c) != {k: v for k, v in entry.record["input"].items() if k != "realization"}:
+        if not alike(_described(c), {k: v for k, v in entry.record["input"].items() if k != "realization"}):
             failures.append(Failure(entry.id, "the configuration of that name is another now", entry.stage))
         failures += _without_null(entry, _closed(c, number), "B")
         if entry.id in again:

@@ -19,6 +19,7 @@ from leakref import LeakrefError, runs
 from leakref.track import history, tracking
 from leakref._output import console, dump, envelope, folder, progress_bar, write_whole
 from leakref.certify.connect import HarnessBroken, Limits, connect
+from leakref.golden.beside import noted
 from leakref.track.changes import ALPHA, POWER, VERDICTS, Change, Comparison, compare
 from leakref.track.timings import compare_timings, timings
 from leakref.track.tracking import Scene, Series
@@ -76,6 +77,7 @@ def run_record(request: Request, *, json: bool) -> int:
     label = request.label or str(said["version"] or said["name"])
     target = request.target or str(request.command)
     entry, repaired = history.append(request.path, tracking.fields(label, target, said, source, series, timed))
+    noted(request.path)
     if repaired:
         console().print(f"[yellow]{request.path}: {repaired}[/]", soft_wrap=True)
     if json:

@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 import scipy
 
-from leakref import __version__, fast, runs
+from leakref import __version__, fast, runs, sources
 from leakref._base import FloatArray, LeakrefError
 from leakref._output import plain
 from leakref.cases import Configuration, configurations
@@ -47,6 +47,7 @@ PAPER = ("nsp-ls", "U/rotation=0,current=0.15,current_direction=90")
 COARSE = ("broad", "following")
 """The same for any other target: about the same two seas in a cube of 1.4 MB instead of 176."""
 _WINDOWS = ("box", "hann")
+_REFERENCE = "the reference chain, NumPy, SciPy and Numba"
 _DIGITS = 7  # decimals of the waves that count in the digest of a case: no library's last bit is among them
 
 Progress = Callable[[], object]
@@ -235,21 +236,21 @@ def fields(label: str, target: str, said: Mapping[str, Any], source: Mapping[str
 
 
 def source_of_reference() -> dict[str, Any]:
-    """`runs.source_digest`: all rooms between a sea and its velocities, and the versions of the libraries."""
-    return {"sha256": runs.source_digest(), "of": "the reference chain, NumPy and SciPy"}
+    """`runs.source_digest`: all modules between a sea and its velocities, and the versions of the libraries."""
+    return {"sha256": runs.source_digest(), "of": _REFERENCE}
 
 
 def source_of(target: str, more: Sequence[Path] = ()) -> dict[str, Any]:
     """Of a Python target: every source and extension module of its top-level package, and the files in `more`.
 
-    Nothing is imported. A fault or a variant is the reference with the list it is from.
+    Nothing is imported. A fault or a variant is the reference with the module it is from.
     """
     kind = target.partition(":")[0]
     if kind in ("reference", "fault", "variant"):
-        lists = [Path(__file__).parents[1] / "certify" / f"{name}.py" for name in ("faults", "variants")]
-        own = _hashed([*(lists if kind != "reference" else []), *more])
-        return {"sha256": digest([runs.source_digest(), target, own["sha256"]]),
-                "of": f"the reference chain, NumPy and SciPy, {own['of']}"}
+        own = _hashed(more)
+        lists = "" if kind == "reference" else sources.digest(f"leakref.certify.{kind}s")
+        return {"sha256": digest([runs.source_digest(), lists, target, own["sha256"]]),
+                "of": f"{_REFERENCE}, {f'{kind}s, ' * bool(lists)}{own['of']}".removesuffix(", nothing")}
     if str(Path.cwd()) not in sys.path:
         sys.path.insert(0, str(Path.cwd()))
     found = util.find_spec(kind.split(".")[0])
