@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import signal
 import sys
 from collections.abc import Callable
 from functools import wraps
@@ -12,7 +11,7 @@ from typing import Annotated, Any
 
 import typer
 
-from leakref import __version__
+from leakref import __version__, ending
 
 __all__ = ["app", "main"]
 
@@ -55,7 +54,7 @@ def command(panel: str | None, name: str | None = None,
                 raise typer.Exit(2) from None
             except KeyboardInterrupt:
                 typer.echo("leakref: interrupted", err=True)
-                raise typer.Exit(130) from None
+                raise typer.Exit(ending.INTERRUPTED) from None
             raise typer.Exit((0 if holds else 1) if isinstance(holds, bool) else holds)
 
         return run
@@ -469,10 +468,8 @@ def main() -> None:
     for stream in (sys.stdout, sys.stderr):  # a pipe may be ASCII, and figures carry degrees and deltas
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(encoding="utf-8", errors="replace")
-    signal.signal(signal.SIGTERM, _stopped)
-    app()
-
-
-def _stopped(number: int, frame: object) -> None:
-    """Told to end: as by Ctrl-C, so that programs under judgement and temporary folders go as well."""
-    raise KeyboardInterrupt
+    ending.install()
+    try:
+        app()
+    finally:
+        ending.over()

@@ -166,9 +166,9 @@ def test_a_program_that_hangs_is_out_of_time(session):
         assert judged(subject, patience=0.5) == [("timeout", "gave no answer within 0.5 s")]
 
 
-def test_a_program_that_does_not_read_is_out_of_time(session):
+def test_a_program_that_does_not_read_is_out_of_time(session, tmp_path):
     with session() as subject:
-        os.kill(subject._child._popen.pid, signal.SIGSTOP)
+        os.kill(int((tmp_path / "starts").read_text()), signal.SIGSTOP)
         limits, subject.limits = subject.limits, Limits(run=0.5)
         assert ask(subject, rows=20_000)[0] == "timeout"  # a line longer than any pipe holds
         subject.limits = limits

@@ -11,11 +11,11 @@ from typing import Any, Self
 import numpy as np
 
 from leakref._base import LeakrefError
-from leakref.certify.child import Breach, Child, printable
+from leakref.certify.child import Breach, Child
 from leakref.certify.declaration import Declaration
 from leakref.certify.exchange import Exchange
 from leakref.certify.subject import Subject
-from leakref.certify.verdict import Unanswered, Verdict
+from leakref.certify.verdict import Unanswered, Verdict, printable
 from leakref.grid import Grid
 from leakref.sea import aligned_waves
 from leakref.synthesis import synthesize
