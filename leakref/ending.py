@@ -48,9 +48,9 @@ def install() -> None:
 
 
 def over() -> None:
-    """The command is through: from here on signals end the process as they end any other. SystemExit if one came."""
+    """The command is through: a signal ends the process now as it ends any other. SystemExit if one came before."""
     for number in _SIGNALS:
-        signal.signal(number, signal.SIG_DFL)
+        signal.signal(number, signal.SIG_IGN if _Told.once else signal.SIG_DFL)
     if _Told.once:
         raise SystemExit(INTERRUPTED)
 
