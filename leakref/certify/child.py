@@ -29,6 +29,7 @@ __all__ = ["Breach", "Child"]
 
 LONGEST = 1 << 22
 """Bytes of a line: what goes on for longer is dropped up to its end."""
+_DEEPEST = 50
 _CHUNK, _UNREAD, _TAIL = 1 << 16, 16, 1 << 12
 _POLL = 0.05  # seconds between two looks at the memory
 _GRACE = 2.0  # seconds to end after `stop`
@@ -197,7 +198,7 @@ class Child:
                 message = json.loads(text, parse_int=_whole, object_pairs_hook=partial(_object, repeated))
         except (ValueError, RecursionError):
             self._unreadable = _encoding(line) or self._unreadable
-        if isinstance(message, dict) and ("op" in message or "id" in message):
+        if isinstance(message, dict) and ("op" in message or "id" in message) and not _deep(message):
             return Breach(Verdict.ERROR, f"said {repeated[0]!r} twice in one object") if repeated else message
         self._noise.append(line[:300].decode("utf-8", "replace"))
         return None
@@ -311,6 +312,15 @@ def _told_apart(held: float, limit: float) -> tuple[str, str]:
     """Two amounts in MiB, in as many digits as it takes to see that they differ."""
     digits = next((n for n in range(6) if f"{held / 2**20:.{n}f}" != f"{limit / 2**20:.{n}f}"), 6)
     return f"{held / 2**20:.{digits}f}", f"{limit / 2**20:.{digits}f}"
+
+
+def _deep(message: Any) -> bool:
+    """Whether lists and objects are within each other more often than whoever reads it later can follow."""
+    level = [message]
+    for _ in range(_DEEPEST):
+        level = [inner for one in level if isinstance(one, dict | list)
+                 for inner in (one.values() if isinstance(one, dict) else one)]
+    return bool(level)
 
 
 def _object(repeated: list[str], pairs: list[tuple[str, Any]]) -> dict[str, Any]:

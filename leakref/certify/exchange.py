@@ -22,12 +22,15 @@ from scipy import io
 from leakref import files
 from leakref._base import LeakrefError
 from leakref._output import dump, folder, write_whole
-from leakref.certify.verdict import Unanswered, Verdict
+from leakref.certify.verdict import Unanswered, Verdict, printable
 
 __all__ = ["Exchange"]
 
 Seen = tuple[int, int, str]
 """Of an input as it was handed over: its inode, its size and its SHA-256."""
+_SOMEBODY = (errno.ENOENT, errno.ENOTDIR, errno.EEXIST, errno.EISDIR, errno.ELOOP, errno.EACCES, errno.EINVAL)
+"""Errors where a folder or file of ours is gone, or is something else."""
+_ROUNDS = 9  # of removing what is there, while somebody adds to it
 _ENTRIES = 1000
 """In the exchange folder: those beyond it are not looked at."""
 
@@ -48,7 +51,19 @@ class Exchange:
         self.output = self.folder
 
     def give(self, run: int, form: str, arrays: Mapping[str, npt.ArrayLike]) -> tuple[Path, Path]:
-        """Write the inputs of a run as npz, mat or raw: the paths of its input, and of the output to be."""
+        """Write the inputs of a run as npz, mat or raw: the paths of its input, and of the output to be.
+
+        Raises Unanswered (error) if somebody else keeps it from that.
+        """
+        try:
+            return self._given(run, form, arrays)
+        except OSError as error:
+            if error.errno not in _SOMEBODY:
+                raise
+            raise Unanswered(Verdict.ERROR, "removed or replaced the exchange folder, so that nothing can be asked "
+                                            f"({error.strerror})") from None
+
+    def _given(self, run: int, form: str, arrays: Mapping[str, npt.ArrayLike]) -> tuple[Path, Path]:
         place = self.folder / f"run-{run}"
         try:
             place.mkdir()
@@ -97,7 +112,7 @@ class Exchange:
         there = _entries(self.folder)
         allowed = {path for path in there if path == self.output or (self._format == "raw" and path.suffix == ".f64"
                                                                      and path.parent == self.output)}
-        stray = sorted(repr(str(path.relative_to(self.folder))) for path in there - self._known - allowed)
+        stray = sorted(repr(printable(path.relative_to(self.folder), 120)) for path in there - self._known - allowed)
         if stray:
             said.append(f"left in the exchange folder {', '.join(stray[:3])}" + ", ..." * (len(stray) > 3))
         self._known |= there
@@ -108,7 +123,8 @@ class Exchange:
         self._inputs = {}
         if not self._kept:
             _remove(self.folder)
-            self.folder.mkdir(mode=0o700, exist_ok=True)
+            with suppress(OSError):
+                self.folder.mkdir(mode=0o700)
             self._known = set()
 
     def note(self, name: str, record: Mapping[str, Any]) -> None:
@@ -226,34 +242,35 @@ def _entries(top: Path) -> set[Path]:
 
 def _remove(path: Path) -> None:
     """A folder with all that is in it, whatever modes it was given and however deep; or what has taken its place."""
-    if not _is_folder(path):
-        path.unlink(missing_ok=True)
-        return
-    path.chmod(0o700)
-    inside = deque(str(entry) for entry in path.iterdir())
-    while inside:
-        one = inside.popleft()
-        with suppress(OSError):  # somebody may be at work in it
-            if os.path.isdir(one) and not os.path.islink(one):
-                inside += _lifted(one, path)
-            else:
-                if os.name == "nt":  # elsewhere read-only files can be removed
-                    os.chmod(one, 0o700)
-                os.unlink(one)
-    with suppress(OSError):
+    with suppress(OSError):  # somebody may be at work in it
+        if not _is_folder(path):
+            path.unlink(missing_ok=True)
+            return
+        path.chmod(0o700)
+        for _ in range(_ROUNDS):
+            inside = deque(str(entry) for entry in path.iterdir())
+            if not inside:
+                break
+            while inside:
+                with suppress(OSError):
+                    inside += _removed(inside.popleft(), path)
         path.rmdir()
 
 
-def _lifted(folder: str, top: Path) -> list[str]:
-    """Move what is in a folder up to `top`, so that no path gets too long, and remove it; where it is now."""
-    os.chmod(folder, 0o700)
+def _removed(one: str, top: Path) -> list[str]:
+    """Remove what is at a path; what was in it, now directly in `top`, so that no path gets too long."""
+    if not os.path.isdir(one) or os.path.islink(one):
+        if os.name == "nt":  # elsewhere read-only files can be removed
+            os.chmod(one, 0o700)
+        os.unlink(one)
+        return []
+    os.chmod(one, 0o700)
     moved = []
-    for name in os.listdir(folder):
-        above = os.path.join(top, f".{uuid4().hex}")
-        inner = os.path.join(folder, name)
+    for name in os.listdir(one):
+        moved.append(os.path.join(top, f".{uuid4().hex}"))
+        inner = os.path.join(one, name)
         if not os.path.islink(inner):
             os.chmod(inner, 0o700)  # a folder that is moved is written to
-        os.rename(inner, above)
-        moved.append(above)
-    os.rmdir(folder)
+        os.rename(inner, moved[-1])
+    os.rmdir(one)
     return moved
