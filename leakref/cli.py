@@ -67,8 +67,8 @@ app.add_typer(golden_app, name="golden", rich_help_panel=UPKEEP, help="The golde
 GoldenNumber = Annotated[int, typer.Option("--golden", help="Which set, 1 for golden/v1.")]
 GoldenFolder = Annotated[Path | None, typer.Option("--set", help="Folder of a set, instead of the installed one.")]
 GoldenWork = Annotated[Path, typer.Option(help="Folder where long runs are kept, and resumed from.")]
-Timeout = Annotated[float | None, typer.Option(min=0.1, help="Seconds for a run, default 120 (in full 600), and for the "
-                                                              "start, default 30.")]
+Timeout = Annotated[float | None, typer.Option(min=0.1, help="Seconds for a run, default 120 (in full 600), and for "
+                                                              "the start, default 30.")]
 StartTimeout = Annotated[float | None, typer.Option(min=0.1, help="Seconds for the start, if other than --timeout.")]
 Workers = Annotated[int, typer.Option(min=0, help="Processes; 0: one for each core.")]
 

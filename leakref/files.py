@@ -321,9 +321,9 @@ def _read_mat(path: Path, stream: BinaryIO, names: Sequence[str], most: int | No
             name, _, shape = _mat_header(path, memoryview(start)[8:], order)
             if name not in names:
                 continue
-            _claim(path, "a variable", (length,), 1, _DENSEST * len(element))
             if most is not None and length > 16 * most + _HEADER:
-                _claim(path, name, (max(length // 8, *shape),), 8, length + 8, most=most)
+                _claim(path, name, shape if math.prod(shape) > most else (length,), 1, length, most=most)
+            _claim(path, "a variable", (length,), 1, _DENSEST * len(element))
             unpacked = memoryview(zlib.decompressobj().decompress(element, 8 + length))
             ((kind, element),) = _elements(path, unpacked, order)
         if kind == _MATRIX:

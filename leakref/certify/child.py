@@ -309,9 +309,10 @@ def _runs(process: psutil.Process) -> bool:
 
 
 def _told_apart(held: float, limit: float) -> tuple[str, str]:
-    """Two amounts in MiB, in as many digits as it takes to see that they differ."""
-    digits = next((n for n in range(6) if f"{held / 2**20:.{n}f}" != f"{limit / 2**20:.{n}f}"), 6)
-    return f"{held / 2**20:.{digits}f}", f"{limit / 2**20:.{digits}f}"
+    """Two amounts in MiB, the first in as many digits as it takes to see that it is larger."""
+    allowed = f"{limit / 2**20:.6g}"
+    texts = [f"{held / 2**20:.{digits}f}" for digits in range(10)]
+    return next((text for text in texts if float(text) > float(allowed)), texts[-1]), allowed
 
 
 def _deep(message: Any) -> bool:
