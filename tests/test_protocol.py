@@ -363,9 +363,10 @@ def test_one_that_eats_memory_is_stopped_with_its_offspring_counted(session):
 
 
 @linux
-@pytest.mark.parametrize("file", ["os.memfd_create('m')", "open('/dev/shm/' + str(os.getpid()), 'wb', 0).fileno()"])
+@pytest.mark.parametrize("file", [
+    "os.memfd_create('m')", "os.open(path := f'/dev/shm/{os.getpid()}', os.O_CREAT | os.O_RDWR); os.remove(path)"])
 def test_files_of_memory_count_though_they_are_not_mapped(session, file):
-    deed = (f"file = {file}\n[os.remove(path) for path in ['/dev/shm/' + str(os.getpid())] if os.path.exists(path)]\n"
+    deed = (f"file = {file}\n"
             "for _ in range(120): os.write(file, bytes(1 << 20))\ntime.sleep(600)")
     with session(deed, memory=100 * 2**20) as subject:
         ((verdict, message),) = judged(subject, patience=60.0)

@@ -31,6 +31,7 @@ Seen = tuple[int, int, str]
 _SOMEBODY = (errno.ENOENT, errno.ENOTDIR, errno.EEXIST, errno.EISDIR, errno.ELOOP, errno.EACCES, errno.EINVAL)
 """Errors where a folder or file of ours is gone, or is something else."""
 _ROUNDS = 9  # of removing what is there, while somebody adds to it
+_STEPWISE = os.open in os.supports_dir_fd  # whether a path can be walked folder by folder
 _ENTRIES = 1000
 """In the exchange folder: those beyond it are not looked at."""
 
@@ -149,7 +150,7 @@ def _opened(top: Path, path: Path) -> BinaryIO:
 
     No link on the way, no pipe, no device. Raises OSError.
     """
-    if os.open not in os.supports_dir_fd:
+    if not _STEPWISE:
         if any(part.is_symlink() for part in (path, *path.parents) if top in part.parents):
             raise OSError(errno.ELOOP, "it is a link")
         return _file(os.open(path, os.O_RDONLY | getattr(os, "O_BINARY", 0)))
