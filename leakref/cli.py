@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import signal
 import sys
 from collections.abc import Callable
 from functools import wraps
@@ -12,7 +11,7 @@ from typing import Annotated, Any
 
 import typer
 
-from leakref import __version__
+from leakref import __version__, ending
 
 __all__ = ["app", "main"]
 
@@ -55,7 +54,7 @@ def command(panel: str | None, name: str | None = None,
                 raise typer.Exit(getattr(refusal, "status", 2)) from None
             except KeyboardInterrupt:
                 typer.echo("leakref: interrupted", err=True)
-                raise typer.Exit(130) from None
+                raise typer.Exit(ending.INTERRUPTED) from None
             raise typer.Exit((0 if holds else 1) if isinstance(holds, bool) else holds)
 
         return run
@@ -68,6 +67,9 @@ app.add_typer(golden_app, name="golden", rich_help_panel=UPKEEP, help="The golde
 GoldenNumber = Annotated[int, typer.Option("--golden", help="Which set, 1 for golden/v1.")]
 GoldenFolder = Annotated[Path | None, typer.Option("--set", help="Folder of a set, instead of the installed one.")]
 GoldenWork = Annotated[Path, typer.Option(help="Folder where long runs are kept, and resumed from.")]
+Timeout = Annotated[float | None, typer.Option(min=0.1, help="Seconds for a run, default 120 (in full 600), and for "
+                                                              "the start, default 30.")]
+StartTimeout = Annotated[float | None, typer.Option(min=0.1, help="Seconds for the start, if other than --timeout.")]
 Workers = Annotated[int, typer.Option(min=0, help="Processes; 0: one for each core.")]
 
 
@@ -83,8 +85,8 @@ def certify(
     report: Annotated[Path | None, typer.Option(help="Folder for the certificate: JSON and JUnit XML.")] = None,
     known: Annotated[Path | None, typer.Option(help="Known failures: TOML, id = {reason, issue}.")] = None,
     golden: GoldenNumber = 1,
-    timeout: Annotated[float | None, typer.Option(min=0.1, help="Seconds a run may take; default 120, in full 600.")
-                       ] = None,
+    timeout: Timeout = None,
+    start_timeout: StartTimeout = None,
     memory: Annotated[float, typer.Option(min=0.01, help="GiB that the program may hold.")] = 8.0,
     workers: Annotated[int, typer.Option(min=0, help="Sessions side by side; 0: one for each core.")] = 0,
     keep: Annotated[Path | None, typer.Option(help="Keep what is exchanged with the program in this folder.")] = None,
@@ -105,7 +107,7 @@ def certify(
     if listing:
         return commands.show_list(profile, only or [], json=json)
     return commands.run(commands.Request(target, program, profile, only or [], report, known, golden, timeout, memory,
-                                         workers or os.cpu_count() or 1, keep, deep), json=json)
+                                         workers or os.cpu_count() or 1, keep, deep, start_timeout), json=json)
 
 
 @command(JUDGE)
@@ -399,7 +401,8 @@ def track_record(
                                                            "is measured; may be repeated.")] = None,
     timings: Annotated[Path | None, typer.Option(help="JSON of pytest-benchmark, to be recorded with it.")] = None,
     yardstick: Annotated[str | None, typer.Option(help="The benchmark in it that the others are divided by.")] = None,
-    timeout: Annotated[float, typer.Option(min=0.1, help="Seconds a run may take.")] = 120.0,
+    timeout: Timeout = None,
+    start_timeout: StartTimeout = None,
     memory: Annotated[float, typer.Option(min=0.01, help="GiB that the program may hold.")] = 8.0,
     workers: Annotated[int, typer.Option(min=0, help="Processes, for the reference; 0: one for each core.")] = 0,
     json: Json = False,
@@ -408,7 +411,7 @@ def track_record(
     from leakref.track.commands import Request, run_record
 
     return run_record(Request(target, program, path, label, case or [], realizations, first, source or [], timings,
-                              yardstick, timeout, memory, workers or os.cpu_count() or 1), json=json)
+                              yardstick, timeout, memory, workers or os.cpu_count() or 1, start_timeout), json=json)
 
 
 @command(None, "compare", track_app)
@@ -469,10 +472,8 @@ def main() -> None:
     for stream in (sys.stdout, sys.stderr):  # a pipe may be ASCII, and figures carry degrees and deltas
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(encoding="utf-8", errors="replace")
-    signal.signal(signal.SIGTERM, _stopped)
-    app()
-
-
-def _stopped(number: int, frame: object) -> None:
-    """Told to end: as by Ctrl-C, so that programs under judgement and temporary folders go as well."""
-    raise KeyboardInterrupt
+    ending.install()
+    try:
+        app()
+    finally:
+        ending.over()

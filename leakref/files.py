@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import io as streams
 import math
 import os
 import zipfile
 import zlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, BinaryIO, NoReturn
 
 import numpy as np
 import numpy.typing as npt
@@ -23,7 +26,7 @@ from leakref.grid import Grid
 from leakref.sea import Components
 from leakref.synthesis import synthesize
 
-__all__ = ["FORMATS", "UNITS", "Cube", "netcdf_library", "of_configuration", "read", "variables", "write"]
+__all__ = ["FORMATS", "UNITS", "Cube", "TooLarge", "netcdf_library", "of_configuration", "read", "variables", "write"]
 
 FORMATS = ("npz", "mat", "netcdf")
 """What can be written; read is also a memory-mapped npy."""
@@ -32,6 +35,7 @@ UNITS = {"si": "m/s", "scaled": "c0", "given": "the file's units of length / tim
 JITTER = 1e-3
 """How far, in spacings, a coordinate may be from its place (float32 coordinates are off by 1e-4)."""
 _DENSEST = 1032  # deflate shrinks no further: what claims to hold more than this many times its bytes lies
+_HEADER = 1 << 12  # bytes in which a variable says what it is; numpy's own limit is some more
 _WAVES = ("kx", "ky", "omega", "amplitude", "phase")
 _KNOWN = ("eta", "x", "y", "t", "gravity", *_WAVES, "current", "peak_wavenumber", "units", "spacing",
           "dx", "dy", "dt")
@@ -160,25 +164,35 @@ def read(path: Path, *, spacing: Sequence[float] | None = None, axes: str | None
     return _cube(path, _variables(path, _KNOWN), spacing, axes, gravity)
 
 
-def variables(path: Path, names: Sequence[str]) -> dict[str, Any]:
+def variables(path: Path, names: Sequence[str], *, stream: BinaryIO | None = None,
+              most: int | None = None) -> dict[str, Any]:
     """Those of the variables `names` that an npz or mat file holds, as arrays, read with the same suspicion as `read`.
 
-    Raises LeakrefError that names file, fault and remedy.
+    `stream` is the file if it is open already. With `most`, a variable that claims to be more than as many numbers is
+    refused, as TooLarge, before anything of it is unpacked. Raises LeakrefError that names file, fault and remedy.
     """
-    return _variables(Path(path), names, ("npz", "mat"))
+    return _variables(Path(path), names, ("npz", "mat"), stream, most)
 
 
-def _variables(path: Path, names: Sequence[str], kinds: Sequence[str] = ()) -> dict[str, Any]:
+class TooLarge(LeakrefError):
+    """A file holds more than there can be."""
+
+
+def _variables(path: Path, names: Sequence[str], kinds: Sequence[str] = (), given: BinaryIO | None = None,
+               most: int | None = None) -> dict[str, Any]:
     """The raw variables of a file, of one of the `kinds` if there are any. Whatever goes wrong is a LeakrefError."""
+    kind = "a file"
     try:
-        if path.is_dir():
-            _refuse(path, "is a folder", "name the file with the cube in it")
-        with path.open("rb") as stream:
+        if not given and path.exists() and not path.is_file():
+            what = "is a folder" if path.is_dir() else "is a pipe or a device"
+            _refuse(path, what, "name the file with the cube in it")
+        with nullcontext(given) if given else path.open("rb") as stream:
             start = stream.read(128)
-        kind, reader = _kind(path, start)
-        if kinds and kind not in kinds:
-            _refuse(path, f"is a file of the kind {kind}", f"write {' or '.join(kinds)}")
-        return reader(path, names)
+            stream.seek(0)
+            kind, reader = _kind(path, start)
+            if kinds and kind not in kinds:
+                _refuse(path, f"is a file of the kind {kind}", f"write {' or '.join(kinds)}")
+            return reader(path, stream, names, most)
     except LeakrefError:
         raise
     except FileNotFoundError:
@@ -199,7 +213,10 @@ def _refuse(path: Path, fault: str, remedy: str) -> NoReturn:
     raise LeakrefError("extract", f"{path} {fault}", remedy)
 
 
-def _kind(path: Path, start: bytes) -> tuple[str, Callable[[Path, Sequence[str]], dict[str, Any]]]:
+Reader = Callable[[Path, BinaryIO, Sequence[str], int | None], dict[str, Any]]
+
+
+def _kind(path: Path, start: bytes) -> tuple[str, Reader]:
     """The format by its first bytes, and its reader."""
     if start.startswith(b"\x93NUMPY"):
         return "npy", _read_npy
@@ -222,9 +239,16 @@ def _kind(path: Path, start: bytes) -> tuple[str, Callable[[Path, Sequence[str]]
     _refuse(path, "is of no kind that is known", "pass an npz, mat (v5 to v7), NetCDF (4) or npy file")
 
 
-def _claim(path: Path, name: str, shape: tuple[int, ...], itemsize: int, available: int, loaded: bool = True) -> None:
-    """Refuse what a header claims but the file cannot hold, or memory cannot (a transform needs it four times)."""
+def _claim(path: Path, name: str, shape: tuple[int, ...], itemsize: int, available: int, loaded: bool = True,
+           most: int | None = None) -> None:
+    """Refuse what a header claims but the file cannot hold, or memory cannot (a transform needs it four times).
+
+    And what is more than `most` numbers, of 32 bytes or fewer.
+    """
     count = math.prod(int(n) for n in shape)
+    if most is not None and (count > most or count * itemsize > 32 * most):
+        raise TooLarge("extract", f"{path} holds {name} of shape {shape}, {count * itemsize} bytes, should be {most} "
+                       f"number{'s' * (most != 1)}", "write what was asked for")
     if count * itemsize > available:
         _refuse(path, f"is cut short: {name} of shape {shape} takes {count * itemsize} bytes, at most {available} are "
                 "there", "copy or export it again")
@@ -236,57 +260,74 @@ def _claim(path: Path, name: str, shape: tuple[int, ...], itemsize: int, availab
 def _npy_header(path: Path, name: str, stream: Any) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
     """Shape, Fortran order and type from the header of an npy stream, which is left at the samples."""
     version = np.lib.format.read_magic(stream)
+    size = int.from_bytes(claimed := stream.read(2 if version == (1, 0) else 4), "little")
+    if size > 2 * _HEADER:
+        _refuse(path, f"is damaged: the header of {name} takes {size} bytes", "export it again")
+    header = streams.BytesIO(claimed + stream.read(size))
     reader = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}.get(version)
     if reader is None:
         _refuse(path, f"holds {name} in npy format {version}, with named fields", "save plain numbers")
-    shape, fortran, dtype = reader(stream)
+    shape, fortran, dtype = reader(header)
     if dtype.hasobject:
         _refuse(path, f"holds {name} as pickled objects, which are never loaded: they could run anything",
                 "save it as an array of numbers")
     return shape, fortran, dtype
 
 
-def _read_npy(path: Path, names: Sequence[str]) -> dict[str, Any]:
-    with path.open("rb") as stream:
-        shape, fortran, dtype = _npy_header(path, "eta", stream)
-        offset = stream.tell()
-    _claim(path, "eta", shape, dtype.itemsize, path.stat().st_size - offset, loaded=False)
-    return {"eta": np.memmap(path, dtype, "r", offset, shape, "F" if fortran else "C")}
+def _read_npy(path: Path, stream: BinaryIO, names: Sequence[str], most: int | None) -> dict[str, Any]:
+    shape, fortran, dtype = _npy_header(path, "eta", stream)
+    offset = stream.tell()
+    _claim(path, "eta", shape, dtype.itemsize, _size(stream) - offset, loaded=False)
+    return {"eta": np.memmap(stream, dtype, "r", offset, shape, "F" if fortran else "C")}
 
 
-def _read_npz(path: Path, names: Sequence[str]) -> dict[str, Any]:
+def _size(stream: BinaryIO) -> int:
+    return os.fstat(stream.fileno()).st_size
+
+
+def _read_npz(path: Path, stream: BinaryIO, names: Sequence[str], most: int | None) -> dict[str, Any]:
     found = {}
-    with zipfile.ZipFile(path) as archive:
+    with zipfile.ZipFile(stream) as archive:
         for name in names:
             member = f"{name}.npy"
             if member not in archive.namelist():
                 continue
             info = archive.getinfo(member)
-            packed = min(info.compress_size, path.stat().st_size)
-            with archive.open(info) as stream:
-                shape, _, dtype = _npy_header(path, name, stream)
+            if info.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):  # others unpack without an end
+                _refuse(path, f"holds {name} packed in a way that numpy does not", "save it with numpy.savez")
+            packed = min(info.compress_size, _size(stream))
+            with archive.open(info) as content:
+                shape, _, dtype = _npy_header(path, name, content)
                 _claim(path, name, shape, dtype.itemsize,
-                       min(info.file_size, packed * (_DENSEST if info.compress_type else 1)))
-            with archive.open(info) as stream:
-                found[name] = np.lib.format.read_array(stream, allow_pickle=False)
-                stream.read()  # to the end, where the checksum is compared
+                       min(info.file_size, packed * (_DENSEST if info.compress_type else 1)), most=most)
+                if info.file_size > content.tell() + math.prod(shape) * dtype.itemsize:
+                    _refuse(path, f"is damaged: {name} of shape {shape} is followed by something", "export it again")
+            with archive.open(info) as content:
+                found[name] = np.lib.format.read_array(content, allow_pickle=False)
+                content.read()  # to the end, where the checksum is compared
     return found
 
 
-def _read_mat(path: Path, names: Sequence[str]) -> dict[str, Any]:
+def _read_mat(path: Path, stream: BinaryIO, names: Sequence[str], most: int | None) -> dict[str, Any]:
     """The variables `names` of a mat file, v5 to v7. Read here: scipy.io.loadmat crashes on some damaged files."""
-    content = memoryview(np.memmap(path, np.uint8, "r"))
+    # what others may still cut is read, not mapped: a page that is gone would end us
+    content = memoryview(np.memmap(stream, np.uint8, "r") if most is None else stream.read(_size(stream)))
     order = "<" if bytes(content[126:128]) == b"IM" else ">"
     found: dict[str, Any] = {}
     for kind, element in _elements(path, content[128:], order):
         if kind == _COMPRESSED:
-            unpacker = zlib.decompressobj()
-            length = int(np.frombuffer(unpacker.decompress(element, 8), f"{order}u4")[1])
+            start = zlib.decompressobj().decompress(element, 8 + _HEADER)
+            kind, length = (int(n) for n in np.frombuffer(start[:8], f"{order}u4"))
+            name, _, shape = _mat_header(path, memoryview(start)[8:], order)
+            if name not in names:
+                continue
+            if most is not None and length > 16 * most + _HEADER:
+                _claim(path, name, shape if math.prod(shape) > most else (length,), 1, length, most=most)
             _claim(path, "a variable", (length,), 1, _DENSEST * len(element))
             unpacked = memoryview(zlib.decompressobj().decompress(element, 8 + length))
             ((kind, element),) = _elements(path, unpacked, order)
         if kind == _MATRIX:
-            found |= _mat_variable(path, element, order, names)
+            found |= _mat_variable(path, element, order, names, most)
     return found
 
 
@@ -311,30 +352,37 @@ def _elements(path: Path, content: memoryview, order: str) -> Iterator[tuple[int
         at = at + 8 if small else start + length + (0 if kind == _COMPRESSED else -length % 8)
 
 
-def _mat_variable(path: Path, content: memoryview, order: str, names: Sequence[str]) -> dict[str, Any]:
+def _mat_header(path: Path, content: memoryview, order: str) -> tuple[str, int, tuple[int, ...]]:
+    """Name, flags and shape of a variable, from its beginning."""
+    parts = islice(_elements(path, content, order), 3)
+    flags, dims, label = (np.frombuffer(part, f"{order}{_STORED[stored]}") for stored, part in parts)
+    return label.tobytes().decode("latin1"), int(flags[0]), tuple(int(n) for n in dims)
+
+
+def _mat_variable(path: Path, content: memoryview, order: str, names: Sequence[str],
+                  most: int | None) -> dict[str, Any]:
     """{name: array} of a variable that is one of `names`, empty for others."""
-    parts = list(_elements(path, content, order))
-    flags, dims, label = (np.frombuffer(parts[n][1], f"{order}{_STORED[parts[n][0]]}") for n in range(3))
-    name, kind = label.tobytes().decode("latin1"), int(flags[0]) & 0xFF
+    name, flags, shape = _mat_header(path, content, order)
+    kind = flags & 0xFF
     if name not in names:
         return {}
     if kind not in _CLASSES:
         _refuse(path, f"holds {name} as {_NOT_NUMBERS.get(kind, 'something else')}", "save it as an array of numbers")
-    shape = tuple(int(n) for n in dims)
-    values = [np.frombuffer(part, f"{order}{_STORED[stored]}") for stored, part in parts[3:]]
-    _claim(path, name, shape, 1, values[0].size if values else 0)
+    parts = islice(_elements(path, content, order), 3, None)
+    values = [np.frombuffer(part, f"{order}{_STORED[stored]}") for stored, part in parts]
+    _claim(path, name, shape, 1, values[0].size if values else 0, most=most)
     if kind == 4:
         return {name: np.array("".join(map(chr, values[0].tolist())))}
     array = values[0].astype(_CLASSES[kind]).reshape(shape, order="F")
-    return {name: array + 1j * values[1].reshape(shape, order="F") if int(flags[0]) & 0x800 else array}
+    return {name: array + 1j * values[1].reshape(shape, order="F") if flags & 0x800 else array}
 
 
-def _read_netcdf(path: Path, names: Sequence[str]) -> dict[str, Any]:
+def _read_netcdf(path: Path, stream: BinaryIO, names: Sequence[str], most: int | None) -> dict[str, Any]:
     xarray = netcdf_library()
     import h5py
 
-    with h5py.File(path) as stream:  # first alone: h5netcdf prints a traceback of its own where this fails
-        _ = [stream["/"][name] for name in stream]
+    with h5py.File(path) as first:  # alone: h5netcdf prints a traceback of its own where this fails
+        _ = [first["/"][name] for name in first]
     with xarray.open_dataset(path, engine="h5netcdf", decode_times=False) as data:
         found: dict[str, Any] = {}
         for name in names:

@@ -21,6 +21,7 @@ from leakref import ensemble, kept, sources
 from leakref._base import FloatArray, IntArray, LeakrefError
 from leakref.cases import REALIZATIONS, Configuration
 from leakref.chain import METHODS
+from leakref.ending import Workers
 from leakref.ensemble import Ensemble
 from leakref.shell import Extraction, Note
 
@@ -119,18 +120,19 @@ def _end_with_parent() -> None:
 
 @contextmanager
 def pool(workers: int) -> Iterator[Executor | None]:
-    """An executor of `workers` processes, or None for one: this process."""
+    """An executor of `workers` processes, or None for one: this process. Whatever ends it early ends them at once."""
     if workers < 1:
         raise LeakrefError("pool", f"{workers} workers", "ask for at least one")
     if workers == 1:
         yield None
         return
-    with ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn"),
-                             initializer=_end_with_parent) as executor:
+    context = Workers()
+    with ProcessPoolExecutor(workers, mp_context=context, initializer=_end_with_parent) as executor:
         try:
             yield executor
         except BaseException:
             executor.shutdown(wait=False, cancel_futures=True)
+            context.kill()  # it would be waited for what they are at, for minutes
             raise
 
 

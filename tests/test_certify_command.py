@@ -100,6 +100,23 @@ def test_a_program_is_certified_as_a_target_is(project):
     assert len(record["findings"]) == len(chosen(["conformance.window"], profile="quick"))
 
 
+@pytest.mark.parametrize(("words", "limit"), [(("--timeout", 0.7), "0.7"), (("--start-timeout", 0.6), "0.6"),
+                                              (("--timeout", 0.7, "--start-timeout", 0.5), "0.5")])
+def test_silence_at_the_start_is_not_waited_for_beyond_the_limit(project, words, limit):
+    silent = shlex.join([sys.executable, "-S", "-c", "import time; time.sleep(600)"])
+    for target in (("--command", silent), ("silent:code",)):
+        (project / "silent.py").write_text("import time\ntime.sleep(600)\n")
+        done = command("certify", *target, *words, "--workers", 1, cwd=project)
+        assert (done.returncode, f"gave no answer within {limit} s" in " ".join(done.stderr.split())) == (3, True)
+
+
+def test_what_is_ours_does_not_count_as_the_start(project):
+    done = command("certify", "reference", "--start-timeout", 0.1, "--only", "conformance.window[window-box-7]",
+                   "--workers", 1, cwd=project)
+    assert done.returncode in (0, 3)
+    assert "within 30 s" not in done.stderr
+
+
 def test_lists_and_schema_are_printed():
     ids = command("certify", "--list").stdout.split()
     assert len(ids) == len(set(ids)) == len(chosen(profile="quick")) > 100

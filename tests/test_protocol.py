@@ -18,7 +18,7 @@ import psutil
 import pytest
 
 from leakref import LeakrefError
-from leakref.certify import child
+from leakref.certify import child, memory
 from leakref.certify.connect import HarnessBroken, Limits, connect
 from leakref.certify.declaration import Declaration
 from leakref.certify.process import ProcessSubject
@@ -166,9 +166,9 @@ def test_a_program_that_hangs_is_out_of_time(session):
         assert judged(subject, patience=0.5) == [("timeout", "gave no answer within 0.5 s")]
 
 
-def test_a_program_that_does_not_read_is_out_of_time(session):
+def test_a_program_that_does_not_read_is_out_of_time(session, tmp_path):
     with session() as subject:
-        os.kill(subject._child._popen.pid, signal.SIGSTOP)
+        os.kill(int((tmp_path / "starts").read_text()), signal.SIGSTOP)
         limits, subject.limits = subject.limits, Limits(run=0.5)
         assert ask(subject, rows=20_000)[0] == "timeout"  # a line longer than any pipe holds
         subject.limits = limits
@@ -191,6 +191,50 @@ def test_one_that_forks_and_ends_leaves_no_offspring(session, tmp_path):
     with session(*deeds, own=OFFSPRING) as subject:
         assert judged(subject, 3) == [*2 * [("error", "ended by itself, with exit status 0")], ("ok", "")]
         assert len(running(tmp_path)) == 2  # one is still waited for, beside the program: `left_behind` looks again
+
+
+LOST = "linger(session=True, orphan=True, bare=True)"  # forked twice, in a session and an environment of its own
+linux = pytest.mark.skipif(sys.platform != "linux", reason="elsewhere an orphan is nobody's")
+
+
+@linux
+def test_an_orphan_without_a_trace_is_found(session, tmp_path):
+    with session(f"{LOST}; say(good(request))", own=OFFSPRING) as subject:
+        assert judged(subject) == [("ok", "")]
+        assert len(running(tmp_path)) == 2
+
+
+@linux
+def test_what_a_program_does_to_its_guardian_is_its_own_end(session, tmp_path):
+    deeds = {"os.kill(os.getppid(), signal.SIGKILL); time.sleep(600)": ("error", "was ended by signal 9 (SIGKILL)"),
+             f"{LOST}; os.kill(os.getppid(), signal.SIGSTOP); time.sleep(600)":
+                 ("timeout", "gave no answer within 3 s"),
+             "[os.kill(os.getppid(), n) for n in (1, 2, 15)]; say(good(request))": ("ok", ""),
+             "os.killpg(0, signal.SIGTERM); time.sleep(600)": ("error", "was ended by signal 15 (SIGTERM)")}
+    with session(*deeds, own=OFFSPRING) as subject:
+        for expected in deeds.values():
+            assert judged(subject, patience=3.0 if expected[0] == "timeout" else 120.0) == [expected]
+
+
+@linux
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
+def test_a_process_that_is_killed_leaves_no_program(session, tmp_path, number):
+    program = session(f"{LOST}; open(HERE + '/asked', 'w').close(); time.sleep(600)", own=OFFSPRING)
+    ours = tmp_path / "ours.py"
+    ours.write_text("import numpy as np\nfrom leakref.certify.process import ProcessSubject\n"
+                    f"with ProcessSubject({program.command!r}) as subject:\n"
+                    "    while True: subject.extract(np.ones((4, 4, 4)), (1, 1, 1), [1.0], window='box')\n")
+    with subprocess.Popen([sys.executable, str(ours)], env={**os.environ, "TMPDIR": str(tmp_path)}) as process:
+        while not (tmp_path / "asked").exists():
+            assert process.poll() is None
+            time.sleep(0.02)
+        assert len(running(tmp_path)) == 3
+        process.send_signal(number)
+        process.wait(60)
+    end = time.monotonic() + 60
+    while running(tmp_path) and time.monotonic() < end:
+        time.sleep(0.02)
+    assert running(tmp_path) == []
 
 
 def test_garbage_between_the_lines_is_ignored(session, tmp_path):
@@ -254,14 +298,16 @@ def test_what_is_no_pair_of_numbers_fails(session):
     answers = ["[[float('nan'), 0.1], [0.1, 0.2]]", "[[0.1, float('inf')], [0.1, 0.2]]", "[[0.1, 10**400], [0.1, 0.2]]",
                "[None, None]", "[[0.1, 0.2]]", "[[0.1, 0.2]] * 3", "[[0.1], [0.2]]", "[0.1, 0.2]", "'ab'",
                "{'0': [0.1, 0.2]}", "[[0.1, 'x'], [0.1, 0.2]]", "7", "None", "[]", "[{}, {}]",
-               "[[[0.1, 0.2], [0.1, 0.2]]]"]
+               "[[[0.1, 0.2], [0.1, 0.2]]]", "[['0.1', '0.2'], [0.1, 0.2]]", "[[True, False], [0.1, 0.2]]",
+               "[[0.1, True], [0.1, 0.2]]", "[[[0.1], [True]], [0.1, 0.2]]"]
     with session(*(f"say(good(request) | {{'velocities': {rows}}})" for rows in answers)) as subject:
         for answer, (verdict, message) in zip(answers, judged(subject, len(answers)), strict=True):
             assert (verdict, "velocities" in message) == ("fail", True), answer
 
 
 def test_wavenumbers_that_are_none_fail(session):
-    answers = ["5", "'ab'", "[]", "['a', 'b']", "[1.0]", "[1.0, None]", "[0.5, float('nan')]"]
+    answers = ["5", "'ab'", "[]", "['a', 'b']", "[1.0]", "[1.0, None]", "[0.5, float('nan')]", "['0.5', '1.5']",
+               "[True, True]", "[0.5, True]"]
     with session(*(f"say(good(request) | {{'wavenumbers': {at}}})" for at in answers)) as subject:
         assert [verdict for verdict, _ in judged(subject, len(answers))] == len(answers) * ["fail"]
 
@@ -316,6 +362,68 @@ def test_one_that_eats_memory_is_stopped_with_its_offspring_counted(session):
     assert (verdict, "more than the 100 MiB allowed" in message) == ("error", True)
 
 
+@linux
+@pytest.mark.parametrize("file", [
+    "os.memfd_create('m')", "os.open(path := f'/dev/shm/{os.getpid()}', os.O_CREAT | os.O_RDWR); os.remove(path)"])
+def test_files_of_memory_count_though_they_are_not_mapped(session, file):
+    deed = (f"file = {file}\n"
+            "for _ in range(120): os.write(file, bytes(1 << 20))\ntime.sleep(600)")
+    with session(deed, memory=100 * 2**20) as subject:
+        ((verdict, message),) = judged(subject, patience=60.0)
+    assert (verdict, "more than the 100 MiB allowed" in message) == ("error", True)
+
+
+@linux
+def test_memory_that_is_mapped_and_open_counts_once():
+    code = "import mmap, os\nf = os.memfd_create('m')\nos.truncate(f, 60 << 20)\nm = mmap.mmap(f, 60 << 20)\n" \
+           "m.write(bytes(60 << 20))\nprint(flush=True)\ninput()"
+    with subprocess.Popen([sys.executable, "-S", "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE) as process:
+        process.stdout.readline()
+        found = memory.held([psutil.Process(process.pid)])
+        process.stdin.close()
+    assert 60 < found / 2**20 < 110
+
+
+@pytest.mark.parametrize("more", [1, 1000, 2**16, 2**30])
+def test_what_was_held_is_seen_to_be_more_than_what_is_allowed(more):
+    held, allowed = child._told_apart(2**30 + more, 2**30)
+    assert float(held) > float(allowed) == 1024
+
+
+def test_a_name_that_stands_twice_is_no_answer(session):
+    deeds = ["text = json.dumps(good(request)); print(text[:-1] + ', \"velocities\": []}', flush=True)",
+             "text = json.dumps(good(request)); print(text[:-1] + ', \"x\": {\"a\": 1, \"a\": 1}}', flush=True)",
+             "print('{\"a\": 1, \"a\": 2}', flush=True); say(good(request))"]
+    with session(*deeds) as subject:
+        assert judged(subject, len(deeds)) == [("error", "said 'velocities' twice in one object"),
+                                               ("error", "said 'a' twice in one object"), ("ok", "")]
+
+
+def test_what_is_too_deep_to_be_read_is_no_answer(session):
+    deep = "'[' * 900 + ']' * 900"
+    with session(f"print('{{\"id\": 2, \"message\": ' + {deep} + '}}', flush=True); say(good(request))") as subject:
+        assert judged(subject) == [("ok", "")]
+
+
+def test_messages_are_cut(session):
+    long = "'x\\x1b\\u202e' * 10**6"
+    deeds = [f"say(good(request) | {{'velocities': [{long}, None]}})", f"say(good(request) | {{'status': {long}}})",
+             f"say(good(request) | {{'status': 'error', 'message': {long}}})", f"say({{'id': {long}}})",
+             f"say(good(request) | {{'wavenumbers': {long}}})"]
+    with session(*deeds) as subject:
+        for verdict, message in judged(subject, len(deeds)):
+            assert verdict in ("fail", "error")
+            assert len(message) <= 1500
+            assert message.isprintable()
+
+
+def test_one_interrupted_while_it_starts_is_not_waited_for(session):
+    program = session(own="time.sleep(600)", start=300.0)
+    program.interrupt()  # from another thread, before there is anything to end
+    with pytest.raises(HarnessBroken, match="not asked any more"), program:
+        pass
+
+
 def test_a_name_is_taken_as_the_text_it_is(session):
     with session(own="READY['name'] = '<script>alert(1)</script>'") as subject:
         assert subject.declaration.name == "<script>alert(1)</script>"
@@ -360,7 +468,16 @@ def test_a_start_that_fails_is_a_breach_too(session):
     ("raise SystemExit('usage: program FILE')", "usage: program FILE"),
     ("print('usage: program FILE'); sys.exit()", "usage: program FILE"),
     ("READY['protocol'] = 2", '"protocol": 1'), ("READY['op'] = 'hello'", '"op": "ready"'),
-    ("READY['axes'] = ['x']", "declares axes"), ("CAN['extract']['windows'] = 5", "declares windows")])
+    ("READY['axes'] = ['x']", "declares axes"), ("CAN['extract']['windows'] = ['box', 'box']", "each once"),
+    ("def say(message): os.write(1, b'\\xef\\xbb\\xbf' + json.dumps(message).encode() + b'\\n'); os._exit(0)",
+     "a line begins with a byte-order mark, ef bb bf"),
+    ("def say(message): os.write(1, (json.dumps(message) + '\\n').encode('utf-16')); os._exit(0)",
+     "a line begins with a byte-order mark, ff fe"),
+    ("def say(message): os.write(1, (json.dumps(message) + '\\n').encode('utf-16-le')); os._exit(0)", "UTF-16?"),
+    ("def say(message): os.write(2, b'words'); os.write(1, b'{\"op\": \"ready\\xe4\"}\\n'); os._exit(0)",
+     "a line is not UTF-8: e4 at byte 13"),
+    ("def ready(): print(json.dumps(READY)[:-1] + ', \"axes\": \"txy\", \"axes\": \"xyt\"}', flush=True)",
+     "said 'axes' twice in one object"), ("CAN['extract']['windows'] = 5", "declares windows")])
 def test_one_that_cannot_answer_at_all_is_a_broken_harness(session, own, words):
     program = session(own=own, run=0.7 if "600" in own else 60)
     with pytest.raises(HarnessBroken, match="does not answer") as broken, program:
@@ -373,10 +490,21 @@ def test_one_that_cannot_answer_at_all_is_a_broken_harness(session, own, words):
     ("fixed", 5), ("fixed", "gravity"), ("fixed", [5]), ("format", "xml"), ("units", None),
     ("can", {"extract": {"windows": 5}}), ("can", {"extract": {"methods": [[]]}}),
     ("can", {"extract": {"methods": []}}), ("can", {"spectrum": {"windows": {}}}),
-    ("can", {"window": {"names": "hann"}}), ("can", {"extract": {"resolves": []}})])
+    ("can", {"window": {"names": "hann"}}), ("can", {"extract": {"resolves": []}}), ("fixed", ["dy", "dy"]),
+    ("can", {"extract": {"methods": ["nsp", "ls", "nsp"]}}), ("can", {"extract": {"windows": ["hann", "hann\u202e"]}}),
+    ("can", {"window": {"names": ["hann", "hann"]}}), ("can", {"extract": {"methods": ["\u202e"]}})])
 def test_a_declaration_that_makes_no_sense_is_refused(name, value):
     with pytest.raises(Unanswered, match="declares"):
         Declaration.read({name: value})
+
+
+def test_declared_words_can_be_printed_anywhere():
+    bad, good = "a\x1b[31m\u202e\u2066\n" + "b" * 10**5, "a [31m " + "b" * 110 + "..."
+    read = Declaration.read({"name": bad, "version": bad, "fixed": [bad], "can": {
+        "extract": {"methods": [bad], "windows": [bad], bad: {bad: [bad, 1, None]}}, "window": {"names": [bad]}}})
+    assert (read.name, read.version, read.fixed) == (good, good, (good,))
+    assert read.can == {"extract": {"methods": [good], "windows": [good], good: {good: [good, 1, None]}},
+                        "window": {"names": [good]}}
 
 
 def test_a_bad_first_answer_is_the_implementations_own_fault(session):

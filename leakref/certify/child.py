@@ -6,12 +6,15 @@ import json
 import os
 import queue
 import signal
+import socket
 import subprocess
+import sys
 import threading
 import time
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -19,15 +22,18 @@ import psutil
 
 from leakref._base import LeakrefError
 from leakref._output import dump
-from leakref.certify.verdict import Unanswered, Verdict
+from leakref.certify import guardian, memory
+from leakref.certify.verdict import Unanswered, Verdict, printable
 
-__all__ = ["Breach", "Child", "printable"]
+__all__ = ["Breach", "Child"]
 
 LONGEST = 1 << 22
 """Bytes of a line: what goes on for longer is dropped up to its end."""
+_DEEPEST = 50
 _CHUNK, _UNREAD, _TAIL = 1 << 16, 16, 1 << 12
 _POLL = 0.05  # seconds between two looks at the memory
 _GRACE = 2.0  # seconds to end after `stop`
+_PATIENCE = 60.0  # seconds for the guardian to be there, on a busy machine
 _ROUNDS = 60  # of killing what is left: it may fork while it is looked for
 _MARK = "LEAKREF_EXCHANGE"  # in the environment: handed down to whatever it starts, in whatever session
 
@@ -36,42 +42,67 @@ class Breach(Unanswered):
     """It broke the protocol or a limit, or is gone: it has to be started again."""
 
 
-def printable(text: Any, longest: int = 300) -> str:
-    """Words of a program that is not trusted, on one line and without control characters, cut if too long."""
-    line = "".join(c if c.isprintable() else " " for c in str(text)[: 4 * longest])
-    line = " ".join(line.split())
-    return line if len(line) <= longest else line[: longest - 3] + "..."
+Message = dict[str, Any] | Breach
 
 
 class Child:
     """A running program, started from an argument list without a shell. `mark` is a text no other process has.
 
-    Raises LeakrefError if it cannot be started at all.
+    On Linux a guardian starts it, which ends with it and as it does: what becomes an orphan stays below the guardian,
+    and it ends them all if this process is gone, however it went. Raises LeakrefError if it cannot be started at all.
     """
 
     def __init__(self, command: Sequence[str], folder: Path | None, mark: str) -> None:
         self._mark = mark
-        group: dict[str, Any] = ({"start_new_session": True} if os.name == "posix" else
-                                 {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP})  # type: ignore[attr-defined]
+        self._control: socket.socket | None = None
         try:
-            self._popen = subprocess.Popen(list(command), stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-                                           stderr=subprocess.PIPE, bufsize=0, cwd=folder,
-                                           env={**os.environ, _MARK: mark}, **group)
+            self._popen = (self._guarded if sys.platform == "linux" else self._started)(command, folder)
         except (OSError, ValueError) as error:
             reason = getattr(error, "strerror", None) or str(error)
             raise LeakrefError("certify", f"{printable(command[0])!r} cannot be started ({reason})",
                                "give the program and its arguments as in a shell, with a path if need be") from None
         self._process = psutil.Process(self._popen.pid)
         self._seen = {self._process}
-        self._batches: queue.Queue[list[dict[str, Any]] | None] = queue.Queue()
-        self._waiting: deque[dict[str, Any]] = deque()
+        self._batches: queue.Queue[list[Message] | None] = queue.Queue()
+        self._waiting: deque[Message] = deque()
         self._silent = False  # its standard output has ended
         self._noise: deque[str] = deque(maxlen=20)
+        self._unreadable = ""
         self._errors = b""
         self._threads = [threading.Thread(target=work, args=(stream,), daemon=True) for work, stream in
                          ((self._read_lines, self._popen.stdout), (self._read_errors, self._popen.stderr))]
         for thread in self._threads:
             thread.start()
+
+    def _started(self, command: Sequence[str], folder: Path | None, **how: Any) -> subprocess.Popen[bytes]:
+        group: dict[str, Any] = ({"start_new_session": True} if os.name == "posix" else
+                                 {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP})  # type: ignore[attr-defined]
+        return subprocess.Popen(list(command), stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                bufsize=0, cwd=folder, env={**os.environ, _MARK: self._mark}, **group, **how)
+
+    def _guarded(self, command: Sequence[str], folder: Path | None) -> subprocess.Popen[bytes]:
+        """Likewise, by a guardian. It lives as long as the socket to it is open here, and no other process has it."""
+        words = [os.fsencode(word) for word in command]
+        if any(b"\0" in word for word in words):
+            raise ValueError("embedded null byte")
+        self._control, theirs = socket.socketpair()
+        with theirs:
+            number = theirs.fileno()
+            popen = self._started([sys.executable, "-I", "-S", guardian.__file__, str(number)], folder,
+                                  pass_fds=(number,))
+        said = b"\0".join(words)
+        try:
+            self._control.settimeout(_PATIENCE)
+            self._control.sendall(len(said).to_bytes(8, "big") + said)
+            fault = int.from_bytes(self._control.recv(4) or b"\1", "big")
+            if fault:
+                raise OSError(fault, os.strerror(fault))
+        except BaseException:
+            self._control.close()
+            with popen:  # it ends now
+                pass
+            raise
+        return popen
 
     # ------------------------------------------------------------ talking
 
@@ -81,8 +112,8 @@ class Child:
         writer.start()
         self._threads = [*(thread for thread in self._threads if thread.is_alive()), writer]
 
-    def receive(self, seconds: float, memory: float) -> dict[str, Any]:
-        """Its next message, an object with `op` or `id`. Raises Breach after `seconds`, or above `memory` bytes."""
+    def receive(self, seconds: float, limit: float) -> dict[str, Any]:
+        """Its next message, an object with `op` or `id`. Raises Breach after `seconds`, or above `limit` bytes."""
         end = time.monotonic() + seconds
         while not self._waiting:
             gone, left = self._silent or self._ended(), end - time.monotonic()
@@ -91,12 +122,16 @@ class Child:
             if not self._gather(min(max(left, 0.0), _POLL)):
                 if gone:
                     raise Breach(Verdict.ERROR, self._farewell())
-                if (held := self._resident()) > memory:
-                    raise Breach(Verdict.ERROR, f"held {held / 2**20:.0f} MiB of memory with its offspring, more than "
-                                                f"the {memory / 2**20:.0f} MiB allowed")
-        return self._waiting.popleft()
+                if (held := self._held()) > limit:
+                    is_, allowed = _told_apart(held, limit)
+                    raise Breach(Verdict.ERROR, f"held {is_} MiB of memory with its offspring, more than the {allowed} "
+                                                "MiB allowed")
+        message = self._waiting.popleft()
+        if isinstance(message, Breach):
+            raise message
+        return message
 
-    def unasked(self) -> list[dict[str, Any]]:
+    def unasked(self) -> list[Message]:
         """What it has said since the last `receive`, without being asked."""
         while self._gather(0.0):
             pass
@@ -105,9 +140,12 @@ class Child:
         return said
 
     def words(self) -> str:
-        """The last of what it wrote to standard error, or else of what it printed beside the protocol; maybe empty."""
+        """The last of what it wrote to standard error, or else of what it printed beside the protocol; maybe empty.
+
+        Before it what kept a line from being read as one of the protocol, which nobody can see.
+        """
         lines = self._errors.decode("utf-8", "replace").strip().splitlines()[-3:] or list(self._noise)[-3:]
-        return printable(" | ".join(lines))
+        return printable(" | ".join([*[self._unreadable] * bool(self._unreadable), *lines]))
 
     def _gather(self, seconds: float) -> bool:
         """Wait for the next messages and keep them; whether there were any."""
@@ -150,14 +188,18 @@ class Child:
                     self._batches.put(messages)
         self._batches.put(None)
 
-    def _message(self, line: bytes) -> dict[str, Any] | None:
+    def _message(self, line: bytes) -> Message | None:
         """The object on a line; None, and a note of it, if it is not one with `op` or `id`."""
+        message: Any = None
+        repeated: list[str] = []
         try:
-            message = json.loads(line.decode("utf-8"), parse_int=_whole) if line.lstrip()[:1] == b"{" else None
+            text = line.decode("utf-8")
+            if text.lstrip()[:1] in ("{", "\ufeff", "\0"):
+                message = json.loads(text, parse_int=_whole, object_pairs_hook=partial(_object, repeated))
         except (ValueError, RecursionError):
-            message = None
-        if isinstance(message, dict) and ("op" in message or "id" in message):
-            return message
+            self._unreadable = _encoding(line) or self._unreadable
+        if isinstance(message, dict) and ("op" in message or "id" in message) and not _deep(message):
+            return Breach(Verdict.ERROR, f"said {repeated[0]!r} twice in one object") if repeated else message
         self._noise.append(line[:300].decode("utf-8", "replace"))
         return None
 
@@ -180,12 +222,9 @@ class Child:
         self._seen = {process for process in found if process.is_running()}
         return self._seen
 
-    def _resident(self) -> int:
-        total = 0
-        for process in self._family():
-            with suppress(psutil.Error):
-                total += process.memory_info().rss
-        return total
+    def _held(self) -> int:
+        """Bytes of memory of the program and its offspring."""
+        return memory.held(self._family() - ({self._process} if self._control else set()))
 
     def _alive(self) -> list[psutil.Process]:
         """All that is left of it: its family, its session, and whoever carries its mark."""
@@ -218,11 +257,16 @@ class Child:
         """End it with all its offspring, at once. Its number is its own until it is waited for, here at the end."""
         if self._popen.returncode is not None:
             return
+        if self._control:
+            self._control.close()  # the guardian does it, unless the program has done something to it
+            self._wait(_GRACE)
         for n in range(_ROUNDS):
             left = self._alive()
             if not left:
                 break
-            if os.name == "posix":
+            if self._control and len(left) > 1:  # the guardian last: it keeps the others together
+                left = [process for process in left if process != self._process]
+            elif os.name == "posix":
                 with suppress(OSError):
                     os.killpg(self._popen.pid, signal.SIGKILL)
             for process in left:
@@ -235,6 +279,13 @@ class Child:
             thread.join(_GRACE)
         self._close_input()
 
+    def _wait(self, seconds: float) -> None:
+        """For its end, or as long as that; without asking for its status."""
+        end, pause = time.monotonic() + seconds, 0.001
+        while not self._ended() and time.monotonic() < end:
+            time.sleep(pause)
+            pause = min(2 * pause, 0.02)
+
     def _close_input(self) -> None:
         assert self._popen.stdin
         with suppress(OSError):
@@ -246,9 +297,7 @@ class Child:
         self._threads[-1].join(_GRACE)
         if not self._threads[-1].is_alive():
             self._close_input()
-        end = time.monotonic() + _GRACE
-        while not self._ended() and time.monotonic() < end:
-            time.sleep(0.01)
+        self._wait(_GRACE)
         self.kill()
 
 
@@ -257,6 +306,41 @@ def _runs(process: psutil.Process) -> bool:
         return process.is_running() and process.status() not in (psutil.STATUS_ZOMBIE, psutil.STATUS_DEAD)
     except psutil.Error:
         return False
+
+
+def _told_apart(held: float, limit: float) -> tuple[str, str]:
+    """Two amounts in MiB, the first in as many digits as it takes to see that it is larger."""
+    allowed = f"{limit / 2**20:.6g}"
+    texts = [f"{held / 2**20:.{digits}f}" for digits in range(10)]
+    return next((text for text in texts if float(text) > float(allowed)), texts[-1]), allowed
+
+
+def _deep(message: Any) -> bool:
+    """Whether lists and objects are within each other more often than whoever reads it later can follow."""
+    level = [message]
+    for _ in range(_DEEPEST):
+        level = [inner for one in level if isinstance(one, dict | list)
+                 for inner in (one.values() if isinstance(one, dict) else one)]
+    return bool(level)
+
+
+def _object(repeated: list[str], pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """An object in JSON; names that stand in it twice are noted: readers differ in which of the values they take."""
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        repeated += [name for name, count in Counter(name for name, _ in pairs).items() if count > 1]
+    return found
+
+
+def _encoding(line: bytes) -> str:
+    """What keeps the characters of a line from being UTF-8 as it should be; empty if nothing does."""
+    if mark := next((m for m in (b"\xef\xbb\xbf", b"\xff\xfe", b"\xfe\xff") if line.startswith(m)), b""):
+        return f"(a line begins with a byte-order mark, {mark.hex(' ')})"
+    try:
+        line.decode("utf-8")
+    except UnicodeDecodeError as error:
+        return f"(a line is not UTF-8: {line[error.start]:02x} at byte {error.start})"
+    return "(a line holds zero bytes: UTF-16?)" if b"\0" in line else ""
 
 
 def _whole(digits: str) -> int | float:

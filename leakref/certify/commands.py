@@ -49,6 +49,7 @@ class Request:
     workers: int = 2
     keep: Path | None = None
     deep: bool = False
+    start: float | None = None
 
 
 def show_list(profile: str, only: Sequence[str], *, json: bool) -> int:
@@ -81,8 +82,8 @@ def run(request: Request, *, json: bool = False) -> int:
         console().print(f"[red]Nothing to run:[/] no check of the {request.profile} profile matches "
                         f"{', '.join(map(escape, request.only))}.")
         return 3
-    limits = Limits(run=request.timeout or (600.0 if request.profile == "full" else 120.0),
-                    memory=int(request.memory * 2**30))
+    limits = Limits.given(request.timeout, request.start, request.memory,
+                          run=600.0 if request.profile == "full" else 120.0)
     sessions = [connect(request.target, command, limits=limits, keep=request.keep)
                 for _ in range(min(max(1, request.workers), len(checks)))]
     name = request.target or str(request.command)

@@ -21,5 +21,7 @@ def connect(target: str | None = None, command: Sequence[str] | None = None, *, 
     if bool(target) == bool(command):
         raise LeakrefError("certify", "there are a target and a command" if target else "there is no target",
                            "give package.module:object, reference, fault:ID or variant:ID, or a command")
-    return ProcessSubject(command or [sys.executable, "-m", "leakref.certify.worker", str(target)], limits=limits,
-                          keep=keep)
+    if command:
+        return ProcessSubject(command, limits=limits, keep=keep)
+    worker = [sys.executable, "-m", "leakref.certify.worker", str(target), "tell-when-loading"]
+    return ProcessSubject(worker, limits=limits, keep=keep, loading=Limits.start)

@@ -6,11 +6,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from leakref.certify.verdict import Unanswered, Verdict
+from leakref.certify.verdict import Unanswered, Verdict, printable
 
 __all__ = ["STAGES", "Declaration"]
 
 STAGES = ("window", "synthesize", "spectrum", "extract")
+_LONGEST = 120  # characters of a word
 _DEFAULT = {"name": "unnamed", "version": "", "units": "scaled", "axes": "xyt", "y": "up", "direction": "to"}
 
 
@@ -33,8 +34,11 @@ class Declaration:
 
     @classmethod
     def read(cls, given: Mapping[str, Any]) -> Declaration:
-        """From an object somebody wrote. Raises Unanswered (error) that names the field that is wrong."""
-        known = {**_DEFAULT, "format": "npz", "fixed": (), "can": {"extract": {}}, **given}
+        """From an object somebody wrote, whose words are cleaned here and nowhere else.
+
+        Raises Unanswered (error) that names the field that is wrong.
+        """
+        known = {**_DEFAULT, "format": "npz", "fixed": (), "can": {"extract": {}}, **_clean(given)}
         choices = {"units": ("si", "scaled"), "y": ("up", "down"), "direction": ("to", "from"),
                    "axes": ("xyt", "xty", "yxt", "ytx", "txy", "tyx"), "format": ("npz", "mat", "raw")}
         for name, allowed in choices.items():
@@ -49,14 +53,15 @@ class Declaration:
             raise Unanswered(Verdict.ERROR, f"declares can = {can!r}, should hold an object for each stage")
         for stage, what in can.items():
             for name in sorted({"methods", "windows", "names"} & set(what)):
-                if not _words(what[name]) or (name == "methods" and not what[name]):
+                if not _names(what[name]) or (name == "methods" and not what[name]):
                     raise Unanswered(Verdict.ERROR, f"declares {name} = {what[name]!r} of {stage}, should be a list of "
-                                                    "names")
+                                                    "names, each once")
         if (resolves := can.get("extract", {}).get("resolves", "band")) not in ("wavenumber", "band"):
             raise Unanswered(Verdict.ERROR, f"declares resolves = {resolves!r}, should be wavenumber or band")
         fixed = known["fixed"]
-        if not _words(fixed):
-            raise Unanswered(Verdict.ERROR, f"declares fixed = {fixed!r}, should be a list of parameter names")
+        if not _names(fixed):
+            raise Unanswered(Verdict.ERROR, f"declares fixed = {fixed!r}, should be a list of parameter names, each "
+                                            "once")
         return cls(**{name: str(known[name]) for name in (*_DEFAULT, "format")}, fixed=tuple(fixed), can=dict(can))
 
     @property
@@ -87,6 +92,16 @@ class Declaration:
                 "can": {stage: dict(what) for stage, what in self.can.items()}}
 
 
-def _words(given: Any) -> bool:
-    """Whether it is a list of names, maybe an empty one."""
-    return isinstance(given, list | tuple) and all(isinstance(name, str) for name in given)
+def _names(given: Any) -> bool:
+    """Whether it is a list of different names, maybe an empty one."""
+    return (isinstance(given, list | tuple) and all(isinstance(name, str) and name for name in given)
+            and len(set(given)) == len(given))
+
+
+def _clean(value: Any) -> Any:
+    """What was declared, with words that can be printed anywhere, and no longer than somebody reads."""
+    if isinstance(value, Mapping):
+        return {printable(name, _LONGEST): _clean(item) for name, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_clean(item) for item in value]
+    return value if value is None or isinstance(value, bool | int | float) else printable(value, _LONGEST)

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import math
 import os
-import shutil
 import stat
 import tempfile
+from collections import deque
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
+from uuid import uuid4
 
 import numpy as np
 import numpy.typing as npt
@@ -20,12 +22,18 @@ from scipy import io
 from leakref import files
 from leakref._base import LeakrefError
 from leakref._output import dump, folder, write_whole
-from leakref.certify.verdict import Unanswered, Verdict
+from leakref.certify.verdict import Unanswered, Verdict, printable
 
 __all__ = ["Exchange"]
 
-Seen = tuple[int, str]
-"""Of an input as it was handed over: its inode and its SHA-256."""
+Seen = tuple[int, int, str]
+"""Of an input as it was handed over: its inode, its size and its SHA-256."""
+_SOMEBODY = (errno.ENOENT, errno.ENOTDIR, errno.EEXIST, errno.EISDIR, errno.ELOOP, errno.EACCES, errno.EINVAL)
+"""Errors where a folder or file of ours is gone, or is something else."""
+_ROUNDS = 9  # of removing what is there, while somebody adds to it
+_STEPWISE = os.open in os.supports_dir_fd  # whether a path can be walked folder by folder
+_ENTRIES = 1000
+"""In the exchange folder: those beyond it are not looked at."""
 
 
 class Exchange:
@@ -44,9 +52,24 @@ class Exchange:
         self.output = self.folder
 
     def give(self, run: int, form: str, arrays: Mapping[str, npt.ArrayLike]) -> tuple[Path, Path]:
-        """Write the inputs of a run as npz, mat or raw: the paths of its input, and of the output to be."""
+        """Write the inputs of a run as npz, mat or raw: the paths of its input, and of the output to be.
+
+        Raises Unanswered (error) if somebody else keeps it from that.
+        """
+        try:
+            return self._given(run, form, arrays)
+        except OSError as error:
+            if error.errno not in _SOMEBODY:
+                raise
+            raise Unanswered(Verdict.ERROR, "removed or replaced the exchange folder, so that nothing can be asked "
+                                            f"({error.strerror})") from None
+
+    def _given(self, run: int, form: str, arrays: Mapping[str, npt.ArrayLike]) -> tuple[Path, Path]:
         place = self.folder / f"run-{run}"
-        place.mkdir()
+        try:
+            place.mkdir()
+        except FileExistsError:  # somebody has guessed it
+            place = Path(tempfile.mkdtemp(prefix=f"run-{run}-", dir=self.folder))
         suffix = "" if form == "raw" else f".{form}"
         given, self.output, self._format = place / f"in{suffix}", place / f"out{suffix}", form
         values = {name: np.ascontiguousarray(value, dtype="<f8") for name, value in arrays.items()}
@@ -62,7 +85,7 @@ class Exchange:
         written = sorted(given.iterdir()) if form == "raw" else [given]
         for path in written:
             path.chmod(0o444)
-        self._inputs = {path: _seen(path) for path in written}
+        self._inputs = {path: _seen(self.folder, path) for path in written}
         self._known |= {place, given, *written}
         return given, self.output
 
@@ -72,21 +95,13 @@ class Exchange:
         Raises Unanswered: error if there is no such file or it is damaged, fail if it holds something else.
         """
         path = self.output / f"{name}.f64" if self._format == "raw" else self.output
-        if not _regular(path):
-            raise Unanswered(Verdict.ERROR, f"there is no file {path.relative_to(self.output.parent)}, where the "
-                                            "output should be")
-        if self._format == "raw":
-            return _raw(path, name, shape)
         try:
-            found = files.variables(path, (name,))
-        except LeakrefError as error:
-            raise Unanswered(Verdict.ERROR, f"its output {error.fault}") from None
-        if name not in found:
-            raise Unanswered(Verdict.FAIL, f"its output {path.name} does not hold {name}")
-        array = np.asarray(found[name])
-        if array.dtype.kind not in "fiuc":
-            raise Unanswered(Verdict.FAIL, f"{name} is of the type {array.dtype}, should be numbers")
-        return array.astype(np.complex128 if array.dtype.kind == "c" else np.float64)
+            stream = _opened(self.folder, path)
+        except OSError:
+            raise Unanswered(Verdict.ERROR, f"there is no file {path.relative_to(self.output.parent)}, where the "
+                                            "output should be") from None
+        with stream:
+            return (_raw if self._format == "raw" else _packed)(stream, path, name, shape)
 
     def changes(self) -> list[str]:
         """What was done in the folder, since `give`, other than writing the output: each in words, none if all is well.
@@ -94,11 +109,11 @@ class Exchange:
         What is still there of it counts as known afterwards.
         """
         said = [f"{verb} its input {path.relative_to(self.output.parent)}" for path, before in self._inputs.items()
-                if (verb := _changed(path, before))]
+                if (verb := _changed(self.folder, path, before))]
         there = _entries(self.folder)
         allowed = {path for path in there if path == self.output or (self._format == "raw" and path.suffix == ".f64"
                                                                      and path.parent == self.output)}
-        stray = sorted(repr(str(path.relative_to(self.folder))) for path in there - self._known - allowed)
+        stray = sorted(repr(printable(path.relative_to(self.folder), 120)) for path in there - self._known - allowed)
         if stray:
             said.append(f"left in the exchange folder {', '.join(stray[:3])}" + ", ..." * (len(stray) > 3))
         self._known |= there
@@ -109,12 +124,13 @@ class Exchange:
         self._inputs = {}
         if not self._kept:
             _remove(self.folder)
-            self.folder.mkdir(mode=0o700, exist_ok=True)
+            with suppress(OSError):
+                self.folder.mkdir(mode=0o700)
             self._known = set()
 
     def note(self, name: str, record: Mapping[str, Any]) -> None:
         """Beside the files of a run that is kept, what was said about them, as JSON."""
-        if self._kept:
+        if self._kept and _is_folder(self.output.parent):
             path = write_whole(self.output.parent / name, lambda beside: beside.write_text(dump(record) + "\n"))
             self._known.add(path)
 
@@ -124,54 +140,138 @@ class Exchange:
             _remove(self.folder)
 
 
-def _regular(path: Path) -> bool:
-    """Whether it is a file and nothing else: a link leads elsewhere, and a pipe would be read for ever."""
+def _is_folder(path: Path) -> bool:
+    """Whether it is one, and no link to one."""
+    return path.is_dir() and not path.is_symlink()
+
+
+def _opened(top: Path, path: Path) -> BinaryIO:
+    """A regular file below the folder `top`, to be read; whatever is put in its place is not waited for or followed.
+
+    No link on the way, no pipe, no device. Raises OSError.
+    """
+    if not _STEPWISE:
+        if any(part.is_symlink() for part in (path, *path.parents) if top in part.parents):
+            raise OSError(errno.ELOOP, "it is a link")
+        return _file(os.open(path, os.O_RDONLY | getattr(os, "O_BINARY", 0)))
+    *folders, name = path.relative_to(top).parts
+    place = os.open(top, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW)
     try:
-        return stat.S_ISREG(path.lstat().st_mode)
-    except OSError:
-        return False
+        for part in folders:
+            inner = os.open(part, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW, dir_fd=place)
+            os.close(place)
+            place = inner
+        return _file(os.open(name, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK, dir_fd=place))
+    finally:
+        os.close(place)
 
 
-def _seen(path: Path) -> Seen:
-    with path.open("rb") as stream:
-        return os.fstat(stream.fileno()).st_ino, hashlib.file_digest(stream, "sha256").hexdigest()
+def _file(number: int) -> BinaryIO:
+    if stat.S_ISREG(os.fstat(number).st_mode):
+        return os.fdopen(number, "rb")
+    os.close(number)
+    raise OSError(errno.EINVAL, "it is no file")
 
 
-def _changed(path: Path, before: Seen) -> str:
+def _seen(top: Path, path: Path) -> Seen:
+    with _opened(top, path) as stream:
+        about = os.fstat(stream.fileno())
+        return about.st_ino, about.st_size, hashlib.sha256(stream.read(about.st_size)).hexdigest()
+
+
+def _changed(top: Path, path: Path, before: Seen) -> str:
     """In one word what became of an input, nothing if it is as it was."""
-    if not _regular(path):
-        return "replaced" if os.path.lexists(path) else "removed"
+    if not os.path.lexists(path):
+        return "removed"
     try:
-        inode, digest = _seen(path)
-    except OSError:
+        with _opened(top, path) as stream:
+            about = os.fstat(stream.fileno())
+            if about.st_size != before[1]:  # maybe by terabytes, which are not read
+                return "altered"
+            digest = hashlib.sha256(stream.read(before[1])).hexdigest()
+    except PermissionError:
         return "locked"
-    return "altered" if digest != before[1] else "replaced" if inode != before[0] else ""
+    except OSError:
+        return "replaced"
+    return "altered" if digest != before[2] else "replaced" if about.st_ino != before[0] else ""
 
 
-def _raw(path: Path, name: str, shape: Sequence[int]) -> npt.NDArray[Any]:
+def _packed(stream: BinaryIO, path: Path, name: str, shape: Sequence[int]) -> npt.NDArray[Any]:
+    """The variable of an npz or mat file."""
+    size, count = os.fstat(stream.fileno()).st_size, math.prod(shape)
+    if size > 64 * count + 2**20:  # it may hold more than it was asked for, four arrays
+        raise Unanswered(Verdict.FAIL, f"its output {path.name} takes {size} bytes, should be {count} numbers")
+    try:
+        found = files.variables(path, (name,), stream=stream, most=count)
+    except LeakrefError as error:
+        verdict = Verdict.FAIL if isinstance(error, files.TooLarge) else Verdict.ERROR
+        raise Unanswered(verdict, f"its output {error.fault}") from None
+    if name not in found:
+        raise Unanswered(Verdict.FAIL, f"its output {path.name} does not hold {name}")
+    array = np.asarray(found[name])
+    if array.dtype.kind not in "fiuc":
+        raise Unanswered(Verdict.FAIL, f"{name} is of the type {array.dtype}, should be numbers")
+    return array.astype(np.complex128 if array.dtype.kind == "c" else np.float64)
+
+
+def _raw(stream: BinaryIO, path: Path, name: str, shape: Sequence[int]) -> npt.NDArray[Any]:
     """Little-endian float64 in C order, real or complex by its size."""
-    size, count = path.stat().st_size, math.prod(shape)
-    if size == 8 * count:
-        return np.fromfile(path, "<f8").astype(np.float64).reshape(shape)
-    if size == 16 * count:
-        return np.fromfile(path, "<c16").astype(np.complex128).reshape(shape)
+    size, count = os.fstat(stream.fileno()).st_size, math.prod(shape)
+    content = stream.read(size) if size in (8 * count, 16 * count) else b""
+    if len(content) == size == 8 * count:
+        return np.frombuffer(content, "<f8").astype(np.float64).reshape(shape)
+    if len(content) == size == 16 * count:
+        return np.frombuffer(content, "<c16").astype(np.complex128).reshape(shape)
     raise Unanswered(Verdict.FAIL, f"{path.name} holds {size} bytes, should be 8 for each number of {name}, of shape "
                                    f"{tuple(shape)}, or 16 if they are complex")
 
 
 def _entries(top: Path) -> set[Path]:
-    return {Path(place) / name for place, folders, names in os.walk(top) for name in (*folders, *names)}
+    """All that is in a folder, at any depth; some of it where there is more than anybody needs to see."""
+    found: set[Path] = set()
+    waiting = [str(top)]
+    while waiting and len(found) < _ENTRIES:
+        with suppress(OSError), os.scandir(waiting.pop()) as inside:
+            for entry in inside:
+                found.add(Path(entry.path))
+                if entry.is_dir(follow_symlinks=False):
+                    waiting.append(entry.path)
+                if len(found) >= _ENTRIES:
+                    break
+    return found
 
 
 def _remove(path: Path) -> None:
-    """A folder with all that is in it, whatever modes it was given; or what has taken its place."""
-    if path.is_symlink() or not path.is_dir():
-        path.unlink(missing_ok=True)
-        return
-    path.chmod(0o700)
-    for place, folders, names in os.walk(path):  # from the top: a folder is opened up before it is entered
-        for name in folders + names * (os.name == "nt"):  # elsewhere read-only files can be removed
-            if not os.path.islink(inner := os.path.join(place, name)):
+    """A folder with all that is in it, whatever modes it was given and however deep; or what has taken its place."""
+    with suppress(OSError):  # somebody may be at work in it
+        if not _is_folder(path):
+            path.unlink(missing_ok=True)
+            return
+        path.chmod(0o700)
+        for _ in range(_ROUNDS):
+            inside = deque(str(entry) for entry in path.iterdir())
+            if not inside:
+                break
+            while inside:
                 with suppress(OSError):
-                    os.chmod(inner, 0o700)
-    shutil.rmtree(path, ignore_errors=True)
+                    inside += _removed(inside.popleft(), path)
+        path.rmdir()
+
+
+def _removed(one: str, top: Path) -> list[str]:
+    """Remove what is at a path; what was in it, now directly in `top`, so that no path gets too long."""
+    if not os.path.isdir(one) or os.path.islink(one):
+        if os.name == "nt":  # elsewhere read-only files can be removed
+            os.chmod(one, 0o700)
+        os.unlink(one)
+        return []
+    os.chmod(one, 0o700)
+    moved = []
+    for name in os.listdir(one):
+        moved.append(os.path.join(top, f".{uuid4().hex}"))
+        inner = os.path.join(one, name)
+        if not os.path.islink(inner):
+            os.chmod(inner, 0o700)  # a folder that is moved is written to
+        os.rename(inner, moved[-1])
+    os.rmdir(one)
+    return moved

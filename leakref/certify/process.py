@@ -11,11 +11,12 @@ from typing import Any, Self
 import numpy as np
 
 from leakref._base import LeakrefError
-from leakref.certify.child import Breach, Child, printable
+from leakref.certify.child import Breach, Child
 from leakref.certify.declaration import Declaration
 from leakref.certify.exchange import Exchange
 from leakref.certify.subject import Subject
-from leakref.certify.verdict import Unanswered, Verdict
+from leakref.certify.verdict import Unanswered, Verdict, printable
+from leakref.ending import last_resorts
 from leakref.grid import Grid
 from leakref.sea import aligned_waves
 from leakref.synthesis import synthesize
@@ -41,27 +42,35 @@ class Limits:
     run: float = 120.0
     memory: float = 8 * 2.0**30
 
+    @classmethod
+    def given(cls, timeout: float | None, start: float | None, memory: float, run: float = 120.0) -> Limits:
+        """From options: `timeout` is for a run, else `run`, and for the start, unless `start` is; `memory` in GiB."""
+        return cls(start or timeout or cls.start, timeout or run, int(memory * 2**30))
+
 
 class ProcessSubject(Subject):
     """A program that speaks protocol 1, as a context: started and tried out on entry, ended on exit with all it left.
 
     `command` is its argument list, `folder` where it runs (default: here), `keep` a folder in which the files
-    exchanged stay. On entry LeakrefError if it cannot be started or refuses, HarnessBroken if it does not answer.
+    exchanged stay; `loading` are seconds until it says that it gets to what is its own, where its start begins.
+    On entry LeakrefError if it cannot be started or refuses, HarnessBroken if it does not answer.
     What it changes in the exchange folder, other than its output, is added to `violations`; on exit, what it has said
     after its last answer.
     """
 
     def __init__(self, command: Sequence[str], *, limits: Limits | None = None, keep: Path | None = None,
-                 folder: Path | None = None) -> None:
+                 folder: Path | None = None, loading: float = 0.0) -> None:
         super().__init__(Declaration())
+        self._loading = loading
         self.command, self.limits, self.keep, self.folder = list(command), limits or Limits(), keep, folder
         self._child: Child | None = None
         self._run = self._strikes = 0
-        self._asking = False
+        self._asking = self._interrupted = False
         self._last = ""
 
     def __enter__(self) -> Self:
         self._exchange = Exchange(self.keep)
+        last_resorts.add(self._abandon)
         try:
             what, remedy = "", "see that it speaks protocol 1; `leakref scaffold` writes one that does"
             try:
@@ -93,10 +102,15 @@ class ProcessSubject(Subject):
                 self._end()
             finally:
                 self._exchange.close()
+                last_resorts.discard(self._abandon)
+
+    def _abandon(self) -> None:
+        self.interrupt()
+        self._exchange.close()
 
     def interrupt(self) -> None:
         """From another thread: end the program, so that whoever waits for its answer need not. There will be none."""
-        self._strikes = STRIKES
+        self._interrupted, self._strikes = True, STRIKES
         if child := self._child:
             child.kill()
 
@@ -104,10 +118,15 @@ class ProcessSubject(Subject):
 
     def _start(self) -> Declaration:
         """Start the program: what it declares. Raises Breach, or LeakrefError where it refuses to start."""
-        self._child = Child(self.command, self.folder, str(self._exchange.folder))
+        self._child = child = Child(self.command, self.folder, str(self._exchange.folder))
+        if self._interrupted:  # before it was there to be ended
+            child.kill()
+            raise Breach(Verdict.ERROR, "is not asked any more")
         self._asking = True
-        self._child.send({"op": "start", "protocol": PROTOCOL, "formats": FORMATS})
-        ready = self._child.receive(self.limits.start, self.limits.memory)
+        child.send({"op": "start", "protocol": PROTOCOL, "formats": FORMATS})
+        ready = child.receive(max(self.limits.start, self._loading), self.limits.memory)
+        if ready.get("op") == "loading":
+            ready = child.receive(self.limits.start, self.limits.memory)
         self._asking = False
         if ready.get("op") == "failed":
             refusal = HarnessBroken if ready.get("broken") else LeakrefError
@@ -116,10 +135,8 @@ class ProcessSubject(Subject):
         if ready.get("op") != "ready" or ready.get("protocol") != PROTOCOL:
             raise Breach(Verdict.ERROR, f'said {printable(ready)} when it was started, should be "op": "ready" and '
                                         f'"protocol": {PROTOCOL}')
-        given = {name: value for name, value in ready.items() if name not in ("op", "protocol")}
-        given |= {name: printable(given[name], 120) for name in ("name", "version") if name in given}
         try:
-            return Declaration.read(given)
+            return Declaration.read({name: value for name, value in ready.items() if name not in ("op", "protocol")})
         except Unanswered as wrong:
             raise Breach(wrong.verdict, wrong.message) from None
 

@@ -213,7 +213,7 @@ def _rows(answer: Mapping[str, Any], asked: FloatArray, d: Declaration) -> tuple
     found = np.empty((expected, 2))
     for n, row in enumerate(given):
         try:
-            found[n] = (np.nan, np.nan) if row is None else np.asarray(row, dtype=np.float64).reshape(2)
+            found[n] = (np.nan, np.nan) if row is None else _floats(row).reshape(2)
         except (TypeError, ValueError, OverflowError):
             raise Unanswered(Verdict.FAIL, f"velocities[{n}] is {row!r}, should be two numbers or null") from None
         if row is not None and not np.isfinite(found[n]).all():
@@ -221,12 +221,19 @@ def _rows(answer: Mapping[str, Any], asked: FloatArray, d: Declaration) -> tuple
     return found, at
 
 
+def _floats(given: Any) -> FloatArray:
+    """As float64 what consists of numbers. Words and truths, which would be taken for some, raise TypeError."""
+    if any(isinstance(one, str | bytes | bool | np.bool_) for one in np.asarray(given, dtype=object).ravel()):
+        raise TypeError
+    return np.asarray(given, dtype=np.float64)
+
+
 def _numbers(given: Any) -> FloatArray | None:
     """The wavenumbers of an answer, (m,), if it names any."""
     if given is None:
         return None
     try:
-        at = np.asarray(given, dtype=np.float64)
+        at = _floats(given)
     except (TypeError, ValueError, OverflowError):
         at = np.empty(0)
     if at.ndim != 1 or not at.size or not np.isfinite(at).all():

@@ -6,7 +6,14 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any
 
-__all__ = ["WRONG", "Finding", "Unanswered", "Verdict"]
+__all__ = ["WRONG", "Finding", "Unanswered", "Verdict", "printable"]
+
+
+def printable(text: Any, longest: int = 300) -> str:
+    """Words of a program that is not trusted, on one line, without control characters and marks of direction, cut."""
+    line = "".join(c if c.isprintable() else " " for c in str(text)[: 4 * longest])
+    line = " ".join(line.split())
+    return line if len(line) <= longest else line[: longest - 3] + "..."
 
 
 class Verdict(StrEnum):
@@ -54,8 +61,11 @@ class Finding:
 
 
 class Unanswered(Exception):
-    """An implementation gave no answer that could be judged: the verdict for the check that asked."""
+    """An implementation gave no answer that could be judged: the verdict for the check that asked.
+
+    Whatever of the message is in its own words can be printed anywhere.
+    """
 
     def __init__(self, verdict: Verdict, message: str) -> None:
-        super().__init__(message)
-        self.verdict, self.message = verdict, message
+        self.verdict, self.message = verdict, printable(message, 1500)
+        super().__init__(self.message)

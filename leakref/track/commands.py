@@ -45,9 +45,10 @@ class Request:
     source: Sequence[Path] = ()
     timings: Path | None = None
     yardstick: str | None = None
-    timeout: float = 120.0
+    timeout: float | None = None
     memory: float = 8.0
     workers: int = 1
+    start: float | None = None
 
 
 def run_record(request: Request, *, json: bool) -> int:
@@ -132,7 +133,7 @@ def _reference(scenes: Sequence[Scene], numbers: range, workers: int) -> Measure
 
 
 def _any(request: Request, words: Sequence[str], scenes: Sequence[Scene], numbers: range) -> Measured:
-    limits = Limits(run=request.timeout, memory=int(request.memory * 2**30))
+    limits = Limits.given(request.timeout, request.start, request.memory)
     with connect(request.target, words, limits=limits) as subject:
         if not subject.offers("extract"):
             raise HarnessBroken("track", "it offers no extract", "bias is that of velocities: offer extract")

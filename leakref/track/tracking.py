@@ -28,10 +28,9 @@ from leakref._base import FloatArray, LeakrefError
 from leakref._output import plain
 from leakref.cases import Configuration, configurations
 from leakref.certify.bias import SEAS
-from leakref.certify.child import printable
 from leakref.certify.cubes import Cube
 from leakref.certify.subject import GRAVITY, PEAK, Subject
-from leakref.certify.verdict import Unanswered
+from leakref.certify.verdict import Unanswered, printable
 from leakref.chain import METHODS
 from leakref.decisions import DECISIONS
 from leakref.dispersion import UniformCurrent

@@ -1,0 +1,141 @@
+"""A command that is told to end does so within seconds, with all it has started, whatever it is at."""
+
+from __future__ import annotations
+
+import _thread
+import multiprocessing
+import os
+import signal
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from multiprocessing.context import SpawnContext, SpawnProcess
+from typing import Any
+
+__all__ = ["INTERRUPTED", "Workers", "install", "last_resorts", "over"]
+
+INTERRUPTED = 130
+"""Exit status of a command that was told to end."""
+_SIGNALS = (signal.SIGINT, signal.SIGTERM)
+_PATIENCE = 3.0  # seconds to end in good order, of the five that there are
+_HURRY = 1.0  # seconds for the last resorts together
+
+last_resorts: set[Callable[[], object]] = set()
+"""What is to be done where there is no end in good order: programs ended, folders removed. Added to, and taken from."""
+
+
+class _Told:
+    """Whether we were told to end, what holds that back for a moment, and whether it got lost."""
+
+    once = lost = False
+    deferred = 0
+
+
+def install() -> None:
+    """Let the first SIGINT or SIGTERM raise KeyboardInterrupt, further ones nothing; the rest is done by force.
+
+    The main thread may be within a library for as long as it likes: another one waits for it, and no longer than that.
+    """
+    reader, writer = os.pipe()
+    os.set_blocking(writer, False)
+    signal.set_wakeup_fd(writer, warn_on_full_buffer=False)  # written to at once, by whichever thread is interrupted
+    for number in _SIGNALS:
+        signal.signal(number, _interrupt)
+    sys.unraisablehook = _unraisable
+    threading.Thread(target=_watch, args=(reader,), daemon=True).start()
+
+
+def over() -> None:
+    """The command is through: a signal ends the process now as it ends any other. SystemExit if one came before."""
+    for number in _SIGNALS:
+        signal.signal(number, signal.SIG_IGN if _Told.once else signal.SIG_DFL)
+    if _Told.once:
+        raise SystemExit(INTERRUPTED)
+
+
+def _interrupt(number: int, frame: object) -> None:
+    if not _Told.once and not _Told.deferred:
+        _Told.once = True
+        raise KeyboardInterrupt
+    _Told.lost |= not _Told.once
+
+
+def _unraisable(said: Any) -> None:
+    """An interruption within a finaliser or a callback goes nowhere: it is to be repeated, not printed."""
+    if isinstance(said.exc_value, KeyboardInterrupt):
+        _Told.once, _Told.lost = False, True
+    else:
+        sys.__unraisablehook__(said)
+
+
+def _watch(reader: int) -> None:
+    while os.read(reader, 1)[0] not in _SIGNALS:
+        pass
+    end = time.monotonic() + _PATIENCE
+    while (left := end - time.monotonic()) > 0:
+        time.sleep(min(left, 0.1))
+        if _Told.lost and not _Told.deferred:
+            _Told.lost = False
+            _thread.interrupt_main(signal.SIGINT)
+    _by_force()
+
+
+def _by_force() -> None:
+    for process in multiprocessing.active_children():
+        process.kill()
+    hurried = threading.Thread(target=_tidy, daemon=True)
+    hurried.start()
+    hurried.join(_HURRY)
+    show_cursor = b"\x1b[?25h" if os.isatty(2) else b""  # a bar that is cut off has hidden it
+    with suppress(OSError):
+        os.write(2, show_cursor + b"leakref: interrupted\n")
+    os._exit(INTERRUPTED)
+
+
+def _tidy() -> None:
+    for resort in list(last_resorts):
+        with suppress(Exception):  # the others are to have their turn, and there is nobody left to tell
+            resort()
+
+
+class Workers(SpawnContext):
+    """The context of a pool whose processes can all be ended at once."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._started: list[_Worker] = []
+
+    def Process(self, *args: Any, **keywords: Any) -> _Worker:  # type: ignore[override]
+        """A process that is remembered."""
+        self._started.append(_Worker(*args, **keywords))
+        return self._started[-1]
+
+    def kill(self) -> None:
+        """End all of them, whatever they are at."""
+        for process in self._started:
+            if process.pid is not None:
+                process.kill()
+
+
+class _Worker(SpawnProcess):
+    """A process that Ctrl-C does not reach: whoever started it hears of it, and ends it."""
+
+    def start(self) -> None:
+        """As ever, in one piece."""
+        with _deferred():
+            super().start()
+
+
+@contextmanager
+def _deferred() -> Iterator[None]:
+    """No interruption within, and none ever of the processes started within, which inherit the mask."""
+    _Told.deferred += 1
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT}) if os.name == "posix" else None
+    try:
+        yield
+    finally:
+        if before is not None:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        _Told.deferred -= 1
