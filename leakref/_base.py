@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import errno
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["ComplexArray", "FloatArray", "IntArray", "LeakrefError", "finite", "integer", "positive"]
+__all__ = ["ComplexArray", "FloatArray", "IntArray", "LeakrefError", "Trouble", "finite", "integer",
+           "positive", "refusal", "vector"]
 
 FloatArray = npt.NDArray[np.floating[Any]]
 ComplexArray = npt.NDArray[np.complex128]
@@ -18,12 +20,30 @@ IntArray = npt.NDArray[np.int64]
 class LeakrefError(ValueError):
     """An input was refused. The message names the call, the fault and the remedy."""
 
+    status: ClassVar[int] = 2  # of a command that it ends: wrong use
+
     def __init__(self, call: str, fault: str, remedy: str) -> None:
         super().__init__(f"{call}: {fault}; {remedy}.")
         self.call, self.fault, self.remedy = call, fault, remedy
 
     def __reduce__(self) -> tuple[Any, ...]:  # so that it survives the way back from a worker
         return type(self), (self.call, self.fault, self.remedy)
+
+
+class Trouble(LeakrefError):
+    """What is around leakref broke, not what it was given: a disk that is full, a worker that is gone."""
+
+    status = 3
+
+
+_ASKED = {errno.ENOENT, errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOTDIR, errno.EISDIR, errno.EEXIST, errno.EBUSY,
+          errno.ENAMETOOLONG, errno.ELOOP, errno.EINVAL, errno.ENOTEMPTY}
+
+
+def refusal(call: str, fault: str, remedy: str, error: Exception) -> LeakrefError:
+    """What to raise for an OSError: a refusal if the path asked for is to blame, else (a full disk) Trouble."""
+    asked = not isinstance(error, OSError) or error.errno in _ASKED
+    return (LeakrefError if asked else Trouble)(call, fault, remedy)
 
 
 def finite(call: str, name: str, value: npt.ArrayLike, ndim: int | None = None) -> FloatArray:
@@ -67,3 +87,10 @@ def positive(call: str, **values: float | Iterable[float]) -> None:
     for name, value in values.items():
         if np.any(finite(call, name, np.asarray(value)) <= 0):
             raise LeakrefError(call, f"{name} = {value} is not positive", f"give {name} > 0")
+
+
+def vector(call: str, **vectors: npt.ArrayLike) -> None:
+    """Refuse what is not two finite components: one would become (U, U), another current, and a third is none."""
+    for name, value in vectors.items():
+        if finite(call, name, value).shape != (2,):
+            raise LeakrefError(call, f"{name} = {value!r} is not a vector", "give two components (x, y)")

@@ -27,7 +27,7 @@ from leakref._base import LeakrefError
 __all__ = ["Change", "altered"]
 
 _ROOMS = Path(__file__).parent
-_SHARED = "_base"  # its exceptions and types must be the same ones everywhere
+_SHARED = "_base|_caches"  # exceptions and types must be the same ones everywhere
 _CHAIN = ("grid", "dispersion", "sea", "synthesis", "window", "spectrum", "leakage", "shell", "nsp", "leastsquares",
           "chain")
 _COMPILED = {"fastspectra": {"grid", "window", "leakage"}, "fastscore": {"nsp"}}  # and what changes them in turn
@@ -56,8 +56,7 @@ class _Altered(importlib.abc.MetaPathFinder, importlib.abc.Loader):
     def exec_module(self, module: ModuleType) -> None:
         room = module.__name__.removeprefix(self.name).lstrip(".") or "__init__"
         source = _changed(room, [change for change in self.changes if change.room == room])
-        own = re.sub(rf"^(\s*from )leakref(?!\.{_SHARED}\b)([. ])", rf"\1{self.name}\2", source, flags=re.MULTILINE)
-        own = own.replace("njit(cache=True, ", "njit(")  # numba keeps code by the file it is from, and there is none
+        own = re.sub(rf"^(\s*from )leakref(?!\.(?:{_SHARED})\b)([. ])", rf"\1{self.name}\2", source, flags=re.MULTILINE)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", SyntaxWarning)  # what is planted need not make sense
             code = compile(own, f"<{self.name}.{room}>", "exec")

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import hashlib
 import json
+import logging
 import multiprocessing
 import os
+import signal
 import threading
 import zipfile
 import zlib
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
+from concurrent.futures import CancelledError, Executor, Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import asdict, dataclass
@@ -22,7 +24,7 @@ import scipy
 from threadpoolctl import ThreadpoolController
 
 from leakref import ensemble
-from leakref._base import FloatArray, IntArray, LeakrefError
+from leakref._base import FloatArray, IntArray, LeakrefError, Trouble
 from leakref._output import write_whole
 from leakref.cases import REALIZATIONS, Configuration
 from leakref.chain import METHODS
@@ -101,7 +103,8 @@ def _store(task: Task, folder: Path | None, part: Part) -> None:
 
 
 def _end_with_parent() -> None:
-    """In a worker: leave when the process that started it is gone, however it went."""
+    """In a worker: leave when the process that started it is gone, however it went; Ctrl-C is its business."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
     if parent is not None:
 
@@ -124,6 +127,9 @@ def pool(workers: int) -> Iterator[Executor | None]:
                              initializer=_end_with_parent) as executor:
         try:
             yield executor
+        except BrokenProcessPool:
+            raise Trouble("run", "a worker process died, perhaps for want of memory",
+                          "use fewer workers; the same command goes on where this one stopped") from None
         except BaseException:
             executor.shutdown(wait=False, cancel_futures=True)
             raise
@@ -133,7 +139,8 @@ def pool(workers: int) -> Iterator[Executor | None]:
 def connected(address: str) -> Iterator[Executor]:
     """The executor of an existing dask.distributed cluster (extra `distributed`)."""
     try:
-        from distributed import Client
+        from distributed import Client, KilledWorker
+        from distributed.comm import CommClosedError
     except ModuleNotFoundError:
         raise LeakrefError("connected", "dask.distributed is not installed",
                            "pip install 'leakref[distributed]'") from None
@@ -142,8 +149,13 @@ def connected(address: str) -> Iterator[Executor]:
     except (OSError, ValueError, TimeoutError) as error:
         raise LeakrefError("connected", f"no scheduler answers at {address} ({error})",
                            "start one with `dask scheduler` and give its address, tcp://host:8786") from None
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what it would say is said below, once
     with client:
-        yield client.get_executor(pure=False)
+        try:
+            yield client.get_executor(pure=False)
+        except (CancelledError, KilledWorker, CommClosedError) as error:
+            raise Trouble("run", f"the scheduler at {address} or its workers are gone ({type(error).__name__})",
+                          "start them again; the same command goes on where this one stopped") from None
 
 
 def run(configurations: Sequence[Configuration], *, realizations: int = REALIZATIONS,
@@ -184,12 +196,7 @@ def run(configurations: Sequence[Configuration], *, realizations: int = REALIZAT
 
 def _next(finished: Iterator[Future[Part]], tasks: dict[Future[Part], Task]) -> tuple[Task, Part]:
     future = next(finished)
-    try:
-        part = future.result()
-    except BrokenProcessPool:
-        raise LeakrefError("run", "a worker process died, perhaps for want of memory",
-                           "use fewer workers; the same command goes on where this one stopped") from None
-    return tasks[future], part
+    return tasks[future], future.result()
 
 
 def _ensembles(plan: Sequence[Task], parts: Sequence[Part]) -> list[Ensemble]:

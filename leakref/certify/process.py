@@ -10,7 +10,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from leakref._base import LeakrefError
+from leakref._base import LeakrefError, Trouble
 from leakref.certify.child import Breach, Child, printable
 from leakref.certify.declaration import Declaration
 from leakref.certify.exchange import Exchange
@@ -31,6 +31,8 @@ _OUTPUTS = {"spectrum": "S", "synthesize": "eta", "window": "w"}
 
 class HarnessBroken(LeakrefError):
     """Nothing can be judged: the program does not get as far as answering a first, small question."""
+
+    status = 3
 
 
 @dataclass(frozen=True)
@@ -128,6 +130,8 @@ class ProcessSubject(Subject):
         if self._child is None:
             try:
                 declared = self._start()
+            except Trouble:
+                raise
             except LeakrefError as refusal:
                 raise Breach(Verdict.ERROR, f"could not be started again: {refusal.fault}") from None
             if declared != self.declaration:

@@ -20,7 +20,7 @@ from typing import Any
 
 import portalocker
 
-from leakref._base import LeakrefError
+from leakref._base import LeakrefError, refusal
 from leakref.golden import digest
 
 __all__ = ["SCHEMA", "Damaged", "Entry", "History", "append", "read"]
@@ -141,8 +141,8 @@ def append(path: Path, fields: Mapping[str, Any]) -> tuple[Entry, str]:
             stream.flush()
             os.fsync(stream.fileno())
     except (OSError, portalocker.LockException) as error:
-        raise LeakrefError("history", f"{path} cannot be written ({error})",
-                           "choose another file with --history, or end who holds it") from None
+        raise refusal("history", f"{path} cannot be written ({error})",
+                      "choose another file with --history, or end who holds it", error) from None
     return Entry(len(lines) + 1, record), said
 
 
@@ -155,8 +155,8 @@ def _bytes(path: Path) -> bytes:
     except portalocker.LockException:
         return path.read_bytes()  # a file system without locks
     except OSError as error:
-        raise LeakrefError("history", f"{path} cannot be read ({error.strerror or error})",
-                           "record into it first: `leakref track record`") from None
+        raise refusal("history", f"{path} cannot be read ({error.strerror or error})",
+                      "record into it first: `leakref track record`", error) from None
 
 
 def _line(record: Mapping[str, Any]) -> bytes:

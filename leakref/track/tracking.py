@@ -24,7 +24,7 @@ import numpy as np
 import scipy
 
 from leakref import __version__, fast, runs
-from leakref._base import FloatArray, LeakrefError
+from leakref._base import FloatArray, LeakrefError, refusal
 from leakref._output import plain
 from leakref.cases import Configuration, configurations
 from leakref.certify.bias import SEAS
@@ -284,7 +284,7 @@ def _hashed(places: Sequence[Path]) -> dict[str, Any]:
             try:
                 kept.append((path.name, sha256(path.read_bytes()).hexdigest()))
             except OSError as error:
-                raise LeakrefError("track", f"{path} cannot be read ({error.strerror})",
-                                   "give files or folders of the source with --source") from None
+                raise refusal("track", f"{path} cannot be read ({error.strerror})",
+                              "give files or folders of the source with --source", error) from None
     names = ", ".join(name for name, _ in kept[:6]) + f" and {len(kept) - 6} more" * (len(kept) > 6)
     return {"sha256": digest(sorted(kept)), "of": names or "nothing"}
