@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import errno
 import math
 import os
 import zipfile
 import zlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -15,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy import io
 
-from leakref._base import FloatArray, LeakrefError, finite
+from leakref._base import FloatArray, LARGEST, LeakrefError, Trouble, finite, vector
 from leakref._output import write_whole
 from leakref.cases import Configuration
 from leakref.dispersion import Scales
@@ -23,7 +25,7 @@ from leakref.grid import Grid
 from leakref.sea import Components
 from leakref.synthesis import synthesize
 
-__all__ = ["FORMATS", "UNITS", "Cube", "netcdf_library", "of_configuration", "read", "variables", "write"]
+__all__ = ["FORMATS", "UNITS", "Cube", "netcdf", "netcdf_library", "of_configuration", "read", "variables", "write"]
 
 FORMATS = ("npz", "mat", "netcdf")
 """What can be written; read is also a memory-mapped npy."""
@@ -54,6 +56,10 @@ class Cube:
     current: FloatArray | None = None
     peak_wavenumber: float | None = None
     notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        if self.current is not None:
+            vector("Cube", current=self.current)
 
 
 def of_configuration(configuration: Configuration, realization: int, scales: Scales | None = None) -> Cube:
@@ -103,7 +109,7 @@ def write(path: Path, cube: Cube, format: str, about: Mapping[str, str] | None =
         dataset = _dataset(variables, words)
 
         def writer(beside: Path) -> None:
-            dataset.to_netcdf(beside, engine="h5netcdf")
+            beside.write_bytes(netcdf(dataset))
     return write_whole(path, writer)
 
 
@@ -117,6 +123,17 @@ def netcdf_library() -> Any:
         raise LeakrefError("netcdf", f"NetCDF needs {error.name}, which is not installed",
                            "pip install 'leakref[netcdf]', or use npz or mat") from None
     return xarray
+
+
+def netcdf(dataset: Any) -> bytes:
+    """An xarray.Dataset as NetCDF 4. In memory: HDF5 crashes, at the very end, where a disk is full."""
+    from h5netcdf import File
+    from xarray.backends import H5NetCDFStore
+
+    with BytesIO() as stream:
+        with File(stream, "w") as file:
+            dataset.dump_to_store(H5NetCDFStore(file))
+        return stream.getvalue()
 
 
 def _dataset(variables: Mapping[str, Any], words: Mapping[str, str]) -> Any:
@@ -188,10 +205,13 @@ def _variables(path: Path, names: Sequence[str], kinds: Sequence[str] = ()) -> d
     except MemoryError:
         _refuse(path, "does not fit into memory", _AS_NPY)
     except Exception as error:  # parsers of damaged files raise anything: struct.error, zlib.error, KeyError, OSError
+        if isinstance(error, OSError) and error.errno in _AROUND:
+            raise Trouble("extract", f"{path} cannot be read ({error.strerror})", "see to that and try again") from None
         _refuse(path, f"is damaged or cut short (reading it as {kind} failed: {error or type(error).__name__})",
                 "copy or export it again")
 
 
+_AROUND = (errno.EIO, errno.EMFILE, errno.ENFILE, errno.ENOMEM, errno.ESTALE)  # not the file's fault
 _AS_NPY = "save eta with numpy.save as .npy, which is read in blocks, and pass --spacing dx,dy,dt"
 
 
@@ -222,7 +242,8 @@ def _kind(path: Path, start: bytes) -> tuple[str, Callable[[Path, Sequence[str]]
     _refuse(path, "is of no kind that is known", "pass an npz, mat (v5 to v7), NetCDF (4) or npy file")
 
 
-def _claim(path: Path, name: str, shape: tuple[int, ...], itemsize: int, available: int, loaded: bool = True) -> None:
+def _claim(path: Path, name: str, shape: tuple[int, ...], itemsize: int, available: float = math.inf,
+           loaded: bool = True) -> None:
     """Refuse what a header claims but the file cannot hold, or memory cannot (a transform needs it four times)."""
     count = math.prod(int(n) for n in shape)
     if count * itemsize > available:
@@ -334,13 +355,14 @@ def _read_netcdf(path: Path, names: Sequence[str]) -> dict[str, Any]:
     import h5py
 
     with h5py.File(path) as stream:  # first alone: h5netcdf prints a traceback of its own where this fails
-        _ = [stream["/"][name] for name in stream]
+        for name in stream:
+            _written(path, name, stream["/"][name])
     with xarray.open_dataset(path, engine="h5netcdf", decode_times=False) as data:
         found: dict[str, Any] = {}
         for name in names:
             if name in data.variables:
                 variable = data.variables[name]
-                _claim(path, name, variable.shape, variable.dtype.itemsize, _DENSEST * path.stat().st_size)
+                _claim(path, name, variable.shape, variable.dtype.itemsize)
                 found[name] = variable.values
                 found[f"units of {name}"] = str(variable.attrs.get("units", ""))
         if "eta" in found:
@@ -350,6 +372,20 @@ def _read_netcdf(path: Path, names: Sequence[str]) -> dict[str, Any]:
                 found["t"], found["units of t"] = data["time"].values, str(data["time"].attrs.get("units", ""))
         found |= {name: data.attrs[name] for name in ("units", "gravity") if name in data.attrs and name not in found}
     return found
+
+
+def _written(path: Path, name: str, stored: Any) -> None:
+    """Refuse a variable of which parts were never written: they would be read as whatever it is filled with."""
+    if not getattr(stored, "size", 0) or stored.is_virtual or stored.external:
+        return
+    whole, there = 1, int(stored.id.get_storage_size() > 0)
+    if stored.chunks:
+        whole = math.prod(-(-n // size) for n, size in zip(stored.shape, stored.chunks, strict=True))
+        there = int(stored.id.get_num_chunks())
+    unnamed = stored.attrs.get("NAME", b"").startswith(b"This is a netCDF dimension")  # a size only, never written
+    if there < whole and name in _KNOWN and not unnamed:
+        _refuse(path, f"holds {name} of shape {stored.shape}, of which {there} of {whole} parts were ever written",
+                "finish writing it, or cut it to what was recorded")
 
 
 # --- judging what was read -------------------------------------------------------------------------------------------
@@ -391,10 +427,11 @@ def _cube(path: Path, raw: dict[str, Any], spacing: Sequence[float] | None, axes
         current = finite("Cube", "current", np.ravel(raw["current"]), 1) if "current" in raw else None
         if not isinstance(eta, np.memmap):
             eta = finite("Cube", "eta", eta, 3)
+        peak = _number(path, "peak_wavenumber", raw["peak_wavenumber"]) if "peak_wavenumber" in raw else None
+        return Cube(eta, grid, g, units, components, current, peak, tuple(notes))
     except LeakrefError as error:
-        raise LeakrefError("extract", f"{path}: {error.fault}", error.remedy) from None
-    peak = _number(path, "peak_wavenumber", raw["peak_wavenumber"]) if "peak_wavenumber" in raw else None
-    return Cube(eta, grid, g, units, components, current, peak, tuple(notes))
+        raise LeakrefError("extract", str(path) + ": " * (not error.fault.startswith(str(path)))
+                           + error.fault.removeprefix(str(path)), error.remedy) from None
 
 
 def _ordered(path: Path, raw: dict[str, Any], axes: str | None) -> Any:
@@ -425,7 +462,7 @@ def _ordered(path: Path, raw: dict[str, Any], axes: str | None) -> Any:
 
 def _number(path: Path, name: str, value: npt.ArrayLike) -> float:
     array = np.asarray(value)
-    if array.size != 1 or array.dtype.kind not in "iuf" or not array.item() > 0 or not np.isfinite(array.item()):
+    if array.size != 1 or array.dtype.kind not in "iuf" or not 1 / LARGEST <= array.item() <= LARGEST:
         _refuse(path, f"has {name} = {array.tolist()!r:.60}", f"store {name} as one positive number")
     return float(array.item())
 
@@ -455,13 +492,18 @@ def _step(path: Path, name: str, values: npt.ArrayLike, shape: tuple[int, ...], 
                 "pass --axes with the order in which eta is stored, or correct the coordinate")
     if v.dtype.kind not in "iuf" or not np.isfinite(v).all():
         _refuse(path, f"has a coordinate {name} that is not all finite real numbers", "correct it or pass --spacing")
-    v = v.astype(np.float64)
+    with np.errstate(over="ignore"):
+        v = v.astype(np.float64)
+        mean = float(v[-1] - v[0]) / (v.size - 1)
+    if not 1 / LARGEST <= abs(mean) <= LARGEST and np.unique(v).size > 1:
+        _refuse(path, f"has a coordinate {name} from {v[0]:g} to {v[-1]:g}, beyond all reckoning",
+                "give it in units that bring its steps nearer to 1")
     if not np.all(np.diff(v) > 0):
         at = int(np.argmin(np.diff(v) > 0))
         _refuse(path, f"has a coordinate {name} that does not increase: {v[at]:g} is followed by {v[at + 1]:g} "
                 f"(index {at})", f"sort it, and reverse eta along {name} with it")
     index = np.arange(v.size)
-    first, mean = float(v[1] - v[0]), float(v[-1] - v[0]) / (v.size - 1)
+    first = float(v[1] - v[0])
     off = np.abs(v - (v[0] + index * mean)) / mean
     if off.max() > JITTER:
         at = int(np.argmax(off))

@@ -24,6 +24,7 @@ from leakref.certify.verdict import Unanswered, Verdict
 
 __all__ = ["Exchange"]
 
+_ROOM = 1 << 16
 Seen = tuple[int, str]
 """Of an input as it was handed over: its inode and its SHA-256."""
 
@@ -87,6 +88,12 @@ class Exchange:
         if array.dtype.kind not in "fiuc":
             raise Unanswered(Verdict.FAIL, f"{name} is of the type {array.dtype}, should be numbers")
         return array.astype(np.complex128 if array.dtype.kind == "c" else np.float64)
+
+    def room(self) -> None:
+        """Raise OSError if the output had no room: that is no fault of the program's."""
+        largest = max((path.stat().st_size for path in self._inputs if _regular(path)), default=0)
+        with tempfile.TemporaryFile(dir=self.folder) as stream:
+            stream.write(bytes(_ROOM + 2 * largest))
 
     def changes(self) -> list[str]:
         """What was done in the folder, since `give`, other than writing the output: each in words, none if all is well.

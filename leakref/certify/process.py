@@ -183,6 +183,7 @@ class ProcessSubject(Subject):
             return {name: answer[name] for name in ("velocities", "wavenumbers") if name in answer}
         except Breach as breach:
             said = self._blamed(breach)
+            self._exchange.room()
             self._end()
             self._strikes += 1
             self._last = breach.message
@@ -211,6 +212,8 @@ class ProcessSubject(Subject):
         self.violations += [f"{request['stage']} altered its input {printable(name, 40)}"
                             for name in (altered[:9] if isinstance(altered, list) else ())]
         status, message = answer.get("status"), printable(answer.get("message") or "it does not say why")
+        if status == "error":
+            self._exchange.room()
         if status == "unsupported":
             raise Unanswered(Verdict.UNSUPPORTED, message)
         if status != "ok":

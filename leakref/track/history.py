@@ -26,6 +26,7 @@ from leakref.golden import digest
 __all__ = ["SCHEMA", "Damaged", "Entry", "History", "append", "read"]
 
 SCHEMA = "leakref/history/1"
+_FORM = {"label": str, "target": str, "after": str | None, "measurements": list, "timings": dict | None}
 _PATIENCE = 60.0  # seconds to wait for another writer
 
 
@@ -188,6 +189,8 @@ def _entry(number: int, line: bytes) -> Entry:
         return Entry(number, record, "was edited: its contents are not those of its digest")
     if record.get("schema") != SCHEMA:
         return Entry(number, record, f"is of another schema, {record.get('schema')!r}")
+    if wrong := [name for name, kind in _FORM.items() if not isinstance(record.get(name), kind)]:
+        return Entry(number, {}, f"is no entry: its {wrong[0]} is {str(record.get(wrong[0]))[:40]!r}")
     return Entry(number, record)
 
 
