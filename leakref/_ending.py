@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import _thread
 import errno
 import os
 import signal
@@ -47,7 +46,7 @@ def _tell(number: int, frame: object) -> None:
 def _unraisable(lost: sys.UnraisableHookArgs) -> None:
     """Nothing can be raised out of a destructor or a callback from C: there the request is made again soon after."""
     if issubclass(lost.exc_type, KeyboardInterrupt) and _told:
-        threading.Timer(0.02, _thread.interrupt_main, [_told.pop()]).start()
+        threading.Timer(0.02, os.kill, [os.getpid(), _told.pop()]).start()
     else:
         sys.__unraisablehook__(lost)
 

@@ -190,7 +190,8 @@ def _entry(number: int, line: bytes) -> Entry:
     if record.get("schema") != SCHEMA:
         return Entry(number, record, f"is of another schema, {record.get('schema')!r}")
     if wrong := [name for name, kind in _FORM.items() if not isinstance(record.get(name), kind)]:
-        return Entry(number, {}, f"is no entry: its {wrong[0]} is {str(record.get(wrong[0]))[:40]!r}")
+        sound = {name: value for name, value in record.items() if name not in wrong}
+        return Entry(number, sound, f"is no entry: its {wrong[0]} is {str(record.get(wrong[0]))[:40]!r}")
     return Entry(number, record)
 
 
