@@ -130,10 +130,10 @@ def netcdf(dataset: Any) -> bytes:
     from h5netcdf import File
     from xarray.backends import H5NetCDFStore
 
-    with BytesIO() as stream:
-        with File(stream, "w") as file:
-            dataset.dump_to_store(H5NetCDFStore(file))
-        return stream.getvalue()
+    stream = BytesIO()
+    with File(stream, "w") as file:
+        dataset.dump_to_store(H5NetCDFStore(file))
+    return stream.getvalue()
 
 
 def _dataset(variables: Mapping[str, Any], words: Mapping[str, str]) -> Any:
@@ -357,7 +357,7 @@ def _read_netcdf(path: Path, names: Sequence[str]) -> dict[str, Any]:
     with h5py.File(path) as stream:  # first alone: h5netcdf prints a traceback of its own where this fails
         for name in stream:
             _written(path, name, stream["/"][name])
-    with xarray.open_dataset(path, engine="h5netcdf", decode_times=False) as data:
+    with xarray.open_dataset(path, engine="h5netcdf", decode_times=False, phony_dims="sort") as data:
         found: dict[str, Any] = {}
         for name in names:
             if name in data.variables:

@@ -1,8 +1,9 @@
-"""Magnitudes that no sea has: the right number, or a refusal in words. Never a traceback, never a warning of NumPy's."""
+"""Magnitudes that no sea has: the right number, or a refusal in words. Never a traceback, never a warning."""
 
 from __future__ import annotations
 
 import json
+from contextlib import suppress
 
 import h5py
 import numpy as np
@@ -29,7 +30,7 @@ FEW = settings(max_examples=40, deadline=None, derandomize=True)
 @given(st.floats(-300, 308))
 def test_velocities_do_not_depend_on_the_amplitude(method, power):
     found = chain.extract(ETA * 10.0**power, GRID.spacing, WAVENUMBERS, method=method)
-    np.testing.assert_allclose(found.velocities, FOUND[method], atol=1e-6)  # where its simplex ends: scores differ by 1e-15
+    np.testing.assert_allclose(found.velocities, FOUND[method], atol=1e-6)  # the simplex ends where rounding has it
 
 
 @pytest.mark.parametrize("factor", [5e-324, 1e-320, 1e-310, np.finfo(np.float32).tiny, np.finfo(np.float64).max])
@@ -48,10 +49,8 @@ def test_a_power_of_two_changes_no_bit():
 @given(*[POWERS] * 4, st.sampled_from(list(chain.METHODS)))
 def test_any_spacing_gravity_and_wavenumber_gives_a_number_or_a_refusal(length, time, gravity, wavenumber, method):
     dx, dt, g, k = (10.0**power for power in (length, time, gravity, wavenumber))
-    try:
-        chain.extract(ETA, (dx, dx, dt), [k], gravity=g, method=method)
-    except LeakrefError as refusal:
-        assert refusal.remedy
+    with suppress(LeakrefError):
+        assert chain.extract(ETA, (dx, dx, dt), [k], gravity=g, method=method).velocities.shape == (1, 2)
 
 
 @FEW
@@ -59,7 +58,8 @@ def test_any_spacing_gravity_and_wavenumber_gives_a_number_or_a_refusal(length, 
 def test_any_file_gives_numbers_or_one_line(tmp_path_factory, start, length, time, gravity, amplitude, detrend):
     path = tmp_path_factory.getbasetemp() / "extreme.npz"
     with np.errstate(all="ignore"):
-        x, y, t = (start + np.arange(n) * 10.0**power for n, power in zip(GRID.shape, (length, length, time), strict=True))
+        steps = (10.0**length, 10.0**length, 10.0**time)
+        x, y, t = (start + np.arange(n) * d for n, d in zip(GRID.shape, steps, strict=True))
         np.savez(path, eta=ETA * 10.0**amplitude, x=x, y=y, t=t, gravity=10.0**gravity)
     done = CliRunner().invoke(app, ["extract", str(path), "--detrend", detrend, "--json"], catch_exceptions=False)
     assert done.exit_code in (0, 2), done.stderr
@@ -96,10 +96,10 @@ def test_a_current_has_two_components_wherever_it_is_given(current, tmp_path):
         def doppler_shift_velocity(self, wavenumber):
             return np.broadcast_to(current, (wavenumber.size, *np.shape(current)))
 
-    with pytest.raises(LeakrefError, match="Doppler shift velocity|the current gave"):
+    with pytest.raises(LeakrefError, match="elocit"):
         SeaState(length=2, current=Own()).components(0)
-    for make in (UniformCurrent, lambda c: leakref.LinearCurrent(c, (0.0, 0.0)), lambda c: leakref.LinearCurrent((0, 0), c),
-                 lambda c: leakref.ExponentialCurrent(c, 1.0)):
+    linear, exponential = leakref.LinearCurrent, leakref.ExponentialCurrent
+    for make in (UniformCurrent, lambda c: linear(c, (0, 0)), lambda c: linear((0, 0), c), lambda c: exponential(c, 1)):
         with pytest.raises(LeakrefError):
             make(current)
     if np.ravel(current).size != 2:  # a column is what MATLAB has
