@@ -2,21 +2,29 @@
 
 from __future__ import annotations
 
+import errno
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["ComplexArray", "Damaged", "FloatArray", "IntArray", "LeakrefError", "finite", "integer", "positive"]
+__all__ = ["LARGEST", "ORDINARY", "ComplexArray", "Damaged", "FloatArray", "IntArray", "LeakrefError", "Trouble",
+           "finite", "integer", "levelled", "positive", "refusal", "vector"]
 
 FloatArray = npt.NDArray[np.floating[Any]]
 ComplexArray = npt.NDArray[np.complex128]
 IntArray = npt.NDArray[np.int64]
+LARGEST = 1e60
+"""No length, duration, gravity or wavenumber in any units is larger, or smaller than its inverse."""
+ORDINARY = 100
+"""Samples between two to the power of this and of minus this can be summed and squared as they are."""
 
 
 class LeakrefError(ValueError):
     """An input was refused. The message names the call, the fault and the remedy."""
+
+    status: ClassVar[int] = 2  # of a command that it ends: wrong use
 
     def __init__(self, call: str, fault: str, remedy: str) -> None:
         super().__init__(f"{call}: {fault}; {remedy}.")
@@ -26,10 +34,24 @@ class LeakrefError(ValueError):
         return type(self), (self.call, self.fault, self.remedy)
 
 
-class Damaged(LeakrefError):
-    """What leakref brings along is not as it was made: nothing can be judged by it, and no code is to blame."""
+class Trouble(LeakrefError):
+    """What is around leakref broke, not what it was given: a disk that is full, a worker that is gone."""
 
     status = 3
+
+
+class Damaged(Trouble):
+    """What leakref brings along is not as it was made: nothing can be judged by it, and no code is to blame."""
+
+
+_ASKED = {errno.ENOENT, errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOTDIR, errno.EISDIR, errno.EEXIST, errno.EBUSY,
+          errno.ENAMETOOLONG, errno.ELOOP, errno.EINVAL, errno.ENOTEMPTY}
+
+
+def refusal(call: str, fault: str, remedy: str, error: Exception) -> LeakrefError:
+    """What to raise for an OSError: a refusal if the path asked for is to blame, else (a full disk) Trouble."""
+    asked = not isinstance(error, OSError) or error.errno in _ASKED
+    return (LeakrefError if asked else Trouble)(call, fault, remedy)
 
 
 def finite(call: str, name: str, value: npt.ArrayLike, ndim: int | None = None) -> FloatArray:
@@ -40,7 +62,8 @@ def finite(call: str, name: str, value: npt.ArrayLike, ndim: int | None = None) 
             raise LeakrefError(call, f"{name} is complex", "pass real numbers")
         if np.ma.is_masked(value):
             raise LeakrefError(call, f"{name} has masked values", "fill them first")
-        array = np.asarray(raw, dtype=np.float64)
+        with np.errstate(over="ignore"):  # of a long double: infinite, and said below
+            array = np.asarray(raw, dtype=np.float64)
     except (TypeError, ValueError) as error:
         if isinstance(error, LeakrefError):
             raise
@@ -58,6 +81,13 @@ def finite(call: str, name: str, value: npt.ArrayLike, ndim: int | None = None) 
     return array
 
 
+def levelled(samples: Any) -> tuple[Any, int]:
+    """Samples times 2**-e, and e: 0 unless their squares would overflow or vanish. No digit and no velocity changes."""
+    largest = max(abs(float(samples.max())), abs(float(samples.min()))) if samples.size else 0.0
+    exponent = int(np.frexp(largest)[1]) if np.isfinite(largest) else 0
+    return (np.ldexp(samples, -exponent), exponent) if abs(exponent) > ORDINARY else (samples, 0)
+
+
 def integer(call: str, name: str, value: Any, least: int = 0) -> int:
     """`value` as a whole number of at least `least`, or a LeakrefError."""
     try:
@@ -69,7 +99,18 @@ def integer(call: str, name: str, value: Any, least: int = 0) -> int:
 
 
 def positive(call: str, **values: float | Iterable[float]) -> None:
-    """Refuse any named number (or sequence of numbers) that is not finite and above zero."""
+    """Refuse any named number (or sequence of numbers) that is not finite and above zero, or beyond all reckoning."""
     for name, value in values.items():
-        if np.any(finite(call, name, np.asarray(value)) <= 0):
+        numbers = finite(call, name, np.asarray(value))
+        if np.any(numbers <= 0):
             raise LeakrefError(call, f"{name} = {value} is not positive", f"give {name} > 0")
+        if np.any((numbers > LARGEST) | (numbers < 1 / LARGEST)):  # its powers would overflow, or vanish
+            raise LeakrefError(call, f"{name} = {value} is not between {1 / LARGEST:g} and {LARGEST:g}",
+                               f"give {name} in units that bring it nearer to 1")
+
+
+def vector(call: str, **vectors: npt.ArrayLike) -> None:
+    """Refuse what is not two finite components: one would become (U, U), another current, and a third is none."""
+    for name, value in vectors.items():
+        if finite(call, name, value).shape != (2,):
+            raise LeakrefError(call, f"{name} = {value!r} is not a vector", "give two components (x, y)")

@@ -11,7 +11,8 @@ from enum import Enum
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from leakref import LeakrefError, __version__
+from leakref import __version__
+from leakref._base import refusal
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -37,7 +38,8 @@ def plain(value: Any) -> Any:
 
 def dump(value: Any) -> str:
     """One line of strict JSON; floats as short as they can be and come back the same."""
-    return json.dumps(plain(value), allow_nan=False, ensure_ascii=False)
+    text = json.dumps(plain(value), allow_nan=False, ensure_ascii=False)
+    return text.encode("utf-8", "replace").decode()  # the name of a file need not be text
 
 
 def envelope(command: str, ok: bool, **fields: Any) -> dict[str, Any]:
@@ -52,8 +54,8 @@ def folder(path: Path) -> Path:
         with tempfile.TemporaryFile(dir=path):
             return path
     except OSError as error:
-        raise LeakrefError("write", f"nothing can be written to {path} ({error.strerror or error})",
-                           "choose a folder you may write to with --out") from None
+        raise refusal("write", f"nothing can be written to {path} ({error.strerror or error})",
+                      "choose a folder you may write to with --out", error) from None
 
 
 def write_whole(path: Path, write: Callable[[Path], object]) -> Path:
@@ -74,8 +76,8 @@ def write_whole(path: Path, write: Callable[[Path], object]) -> Path:
             with suppress(FileNotFoundError):
                 beside.unlink()
     except OSError as error:
-        raise LeakrefError("write", f"{path} cannot be written ({error.strerror or error})",
-                           "choose a folder you may write to that has room") from None
+        raise refusal("write", f"{path} cannot be written ({error.strerror or error})",
+                      "choose a folder you may write to that has room", error) from None
     return path
 
 
@@ -95,7 +97,8 @@ def progress_bar(what: str, total: int | None) -> Iterator[Callable[[], None]]:
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rate]}"),
                TimeElapsedColumn(), TimeRemainingColumn())
     bar: Progress
-    with Bar(*columns, console=console(), transient=True) as bar:
+    show = console()
+    with Bar(*columns, console=show, transient=True, disable=not show.is_terminal) as bar:
         task = bar.add_task(what, total=total, rate="")
 
         def step() -> None:

@@ -28,7 +28,7 @@ from leakref._base import LeakrefError
 __all__ = ["Change", "altered"]
 
 _ROOMS = Path(__file__).parent
-_SHARED = "_base"  # its exceptions and types must be the same ones everywhere
+_SHARED = ("_base", "_caches")  # exceptions and types must be the same ones everywhere
 _PACKAGE = __name__.rpartition(".")[0]
 
 
@@ -55,8 +55,7 @@ class _Altered(importlib.abc.MetaPathFinder, importlib.abc.Loader):
     def exec_module(self, module: ModuleType) -> None:
         room = module.__name__.removeprefix(self.name).lstrip(".") or "__init__"
         source = _changed(room, [change for change in self.changes if change.room == room])
-        own = re.sub(rf"^(\s*from )leakref(?!\.{_SHARED}\b)([. ])", rf"\1{self.name}\2", source, flags=re.MULTILINE)
-        own = own.replace("njit(cache=True, ", "njit(")  # numba keeps code by the file it is from, and there is none
+        own = re.sub(rf"^(\s*from )leakref(?!\.(?:{'|'.join(_SHARED)})\b)([. ])", rf"\1{self.name}\2", source, flags=re.MULTILINE)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", SyntaxWarning)  # what is planted need not make sense
             code = compile(own, f"<{self.name}.{room}>", "exec")
@@ -77,7 +76,7 @@ def _changed(room: str, changes: Sequence[Change]) -> str:
 def _rooms(*entries: str) -> list[str]:
     """What can be altered of the modules that compute something: all but the package itself and what is shared."""
     names = (module.partition(".")[2] for module in sources.closure(*(f"{_PACKAGE}.{entry}" for entry in entries)))
-    return [name for name in names if name not in ("", _SHARED)]
+    return [name for name in names if name not in ("", *_SHARED)]
 
 
 @cache

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from scipy import fft
 
-from leakref._base import ComplexArray, FloatArray, LeakrefError, finite
+from leakref._base import ORDINARY, ComplexArray, FloatArray, LeakrefError, finite
 from leakref.grid import Grid
 from leakref.spectrum import Spectrum
 from leakref.window import window as named_window
@@ -26,11 +26,17 @@ def _blocks(surface: Any, size: int) -> Iterator[tuple[int, slice, FloatArray]]:
     axis = int(np.argmax(np.abs(strides)))
     n = surface.shape[axis]
     step = max(1, size * n // (8 * int(np.prod(surface.shape, dtype=np.int64))))
+    largest = 0.0
     for start in range(0, n, step):
         part = slice(start, min(start + step, n))
-        samples = np.asarray(surface[(slice(None),) * axis + (part,)])
-        yield axis, part, finite("extract", f"the surface, samples {start}...{part.stop - 1} along {'xyt'[axis]},",
-                                 samples, 3)
+        samples = finite("extract", f"the surface, samples {start}...{part.stop - 1} along {'xyt'[axis]},",
+                         np.asarray(surface[(slice(None),) * axis + (part,)]), 3)
+        largest = max(largest, float(samples.max()), -float(samples.min()))
+        if largest > 2.0**ORDINARY:
+            break
+        yield axis, part, samples
+    if largest and not 2.0**-ORDINARY <= largest <= 2.0**ORDINARY:
+        raise LeakrefError("extract", f"the surface has samples of {largest:.3g} and no more", "scale them nearer to 1")
 
 
 def trend(surface: Any, kind: str, *, block: int = _BLOCK) -> FloatArray:

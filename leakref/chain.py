@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from leakref import leakage, leastsquares, nsp
-from leakref._base import ComplexArray, FloatArray, LeakrefError, finite, positive
+from leakref._base import ComplexArray, FloatArray, LeakrefError, finite, levelled, positive
 from leakref.grid import Grid
 from leakref.sea import Components
 from leakref.shell import Extraction
@@ -49,7 +49,7 @@ def extract(surface: npt.ArrayLike, spacing: tuple[float, float, float], wavenum
     Angular units throughout: wavenumbers in rad per unit of length, velocities in its units of length and
     time, `gravity` likewise (1 for scaled units). Raises LeakrefError.
     """
-    eta = finite("extract", "surface", surface, 3)
+    eta, _ = levelled(finite("extract", "surface", surface, 3))
     return analyse(fourier(eta, Grid(eta.shape, spacing), window), wavenumbers, gravity=gravity, method=method,
                    **settings)
 

@@ -11,7 +11,7 @@ from typing import Annotated, Any
 
 import typer
 
-from leakref import __version__, ending
+from leakref import __version__, _caches, _exits, ending
 
 __all__ = ["app", "main"]
 
@@ -22,40 +22,34 @@ app = typer.Typer(name="leakref", no_args_is_help=True, add_completion=False, ri
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output.")]
 
 
-def _version(wanted: bool) -> None:
-    if wanted:
+
+@app.callback(invoke_without_command=True)
+def _options(
+    context: typer.Context,
+    version: Annotated[bool, typer.Option("--version", help="Print the version and exit.")] = False,
+    traceback: Annotated[bool, typer.Option("--traceback", help="Where something breaks, show where in the code; also "
+                                                                "LEAKREF_TRACEBACK=1.")] = False,
+) -> None:
+    if traceback:
+        os.environ[_exits.TRACEBACK] = "1"
+    if context.invoked_subcommand is None and version is True:
         typer.echo(f"leakref {__version__}")
-        raise typer.Exit
-
-
-@app.callback()
-def _options(version: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True,
-                                                   help="Print the version and exit.")] = False) -> None:
-    pass
+    elif context.invoked_subcommand is None:
+        context.fail("Missing command.")
+    elif version is True:  # status 0 is the verdict of a command that ran, and of nothing else
+        context.fail("--version goes without a command.")
 
 
 def command(panel: str | None, name: str | None = None,
             group: typer.Typer = app) -> Callable[[Callable[..., bool | int]], Callable[..., None]]:
-    """A command of `group` whose body returns whether it holds, exit status 0 or 1, or the status itself.
-
-    A refused input is status 2 and one line.
-    """
+    """A command of `group` whose body returns whether it holds, exit status 0 or 1, or the status itself."""
 
     def register(body: Callable[..., bool | int]) -> Callable[..., None]:
         @group.command(name, rich_help_panel=panel)
         @wraps(body)
         def run(*args: Any, **kwargs: Any) -> None:
-            from leakref import LeakrefError
-
-            try:
-                holds = body(*args, **kwargs)
-            except LeakrefError as refusal:
-                typer.echo(f"leakref: {refusal}", err=True)
-                raise typer.Exit(getattr(refusal, "status", 2)) from None
-            except KeyboardInterrupt:
-                typer.echo("leakref: interrupted", err=True)
-                raise typer.Exit(ending.INTERRUPTED) from None
-            raise typer.Exit((0 if holds else 1) if isinstance(holds, bool) else holds)
+            _caches.prepare()
+            raise typer.Exit(_exits.status_of(body.__name__.replace("_", " "), lambda: body(*args, **kwargs)))
 
         return run
 
@@ -469,11 +463,22 @@ def track_check(path: HistoryFile = HISTORY, json: Json = False) -> bool:
 
 def main() -> None:
     """Entry point of the `leakref` command."""
+    _exits.plugged()
     for stream in (sys.stdout, sys.stderr):  # a pipe may be ASCII, and figures carry degrees and deltas
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(encoding="utf-8", errors="replace")
     ending.install()
+    status = _exits.status_of("", _typed)
+    ending.over()
+    sys.exit(status)
+
+
+def _typed() -> int:
+    """What is on the command line, done: typer ends everything by a SystemExit."""
     try:
         app()
-    finally:
-        ending.over()
+    except SystemExit as end:
+        if isinstance(end.code, int) and not isinstance(end.__context__, BrokenPipeError):
+            return end.code
+        raise
+    return 0

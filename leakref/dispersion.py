@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.integrate import quad_vec
 
-from leakref._base import FloatArray, LeakrefError, finite, positive
+from leakref._base import FloatArray, LeakrefError, finite, positive, vector
 
 __all__ = ["Current", "ExponentialCurrent", "LinearCurrent", "ProfileCurrent", "Scales", "UniformCurrent",
            "group_velocity", "intrinsic_frequency", "phase_velocity", "velocity_resolutions"]
@@ -43,13 +43,6 @@ def velocity_resolutions(wavenumber: npt.ArrayLike, wavenumber_resolution: float
     return frequency_resolution / k, group_velocity(k, gravity) * wavenumber_resolution / k
 
 
-def _vector(call: str, **vectors: npt.ArrayLike) -> None:
-    """Refuse what is not two finite components: a scalar would become (U, U), another current."""
-    for name, value in vectors.items():
-        if finite(call, name, value).shape != (2,):
-            raise LeakrefError(call, f"{name} = {value!r} is not a vector", "give two components (x, y)")
-
-
 class Current(Protocol):
     """Anything that shifts waves: a Doppler shift velocity (n, 2) for wavenumbers (n,)."""
 
@@ -63,7 +56,7 @@ class UniformCurrent:
     velocity: tuple[float, float] = (0.0, 0.0)
 
     def __post_init__(self) -> None:
-        _vector("UniformCurrent", velocity=self.velocity)
+        vector("UniformCurrent", velocity=self.velocity)
 
     def doppler_shift_velocity(self, wavenumber: FloatArray) -> FloatArray:
         """(n, 2), the velocity itself whatever the wavenumber."""
@@ -78,7 +71,7 @@ class LinearCurrent:
     shear: tuple[float, float]
 
     def __post_init__(self) -> None:
-        _vector("LinearCurrent", surface=self.surface, shear=self.shear)
+        vector("LinearCurrent", surface=self.surface, shear=self.shear)
 
     def doppler_shift_velocity(self, wavenumber: FloatArray) -> FloatArray:
         """eq:SJ, (n, 2)."""
@@ -94,7 +87,7 @@ class ExponentialCurrent:
     depth: float
 
     def __post_init__(self) -> None:
-        _vector("ExponentialCurrent", surface=self.surface)
+        vector("ExponentialCurrent", surface=self.surface)
         positive("ExponentialCurrent", depth=self.depth)
 
     def doppler_shift_velocity(self, wavenumber: FloatArray) -> FloatArray:

@@ -14,11 +14,9 @@ from contextlib import contextmanager, suppress
 from multiprocessing.context import SpawnContext, SpawnProcess
 from typing import Any
 
-__all__ = ["INTERRUPTED", "Workers", "install", "last_resorts", "over"]
+__all__ = ["Workers", "install", "last_resorts", "over", "status", "told", "words"]
 
-INTERRUPTED = 130
-"""Exit status of a command that was told to end."""
-_SIGNALS = (signal.SIGINT, signal.SIGTERM)
+_SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
 _PATIENCE = 3.0  # seconds to end in good order, of the five that there are
 _HURRY = 1.0  # seconds for the last resorts together
 
@@ -29,12 +27,28 @@ last_resorts: set[Callable[[], object]] = set()
 class _Told:
     """Whether we were told to end, what holds that back for a moment, and whether it got lost."""
 
-    once = lost = False
+    by = 0  # the number of the first signal
+    raised = lost = False
     deferred = 0
 
 
+def told() -> bool:
+    """Whether we were told to end."""
+    return _Told.by != 0
+
+
+def status() -> int:
+    """Exit status of a command that was told to end: 128 and the number of the signal, as in a shell."""
+    return 128 + (_Told.by or signal.SIGINT)
+
+
+def words() -> str:
+    """What became of the command, for people."""
+    return f"ended by {signal.Signals(_Told.by).name}" if _Told.by not in (0, signal.SIGINT) else "interrupted"
+
+
 def install() -> None:
-    """Let the first SIGINT or SIGTERM raise KeyboardInterrupt, further ones nothing; the rest is done by force.
+    """Let the first signal that asks us to end raise KeyboardInterrupt, further ones nothing; the rest is by force.
 
     The main thread may be within a library for as long as it likes: another one waits for it, and no longer than that.
     """
@@ -42,7 +56,8 @@ def install() -> None:
     os.set_blocking(writer, False)
     signal.set_wakeup_fd(writer, warn_on_full_buffer=False)  # written to at once, by whichever thread is interrupted
     for number in _SIGNALS:
-        signal.signal(number, _interrupt)
+        if signal.getsignal(number) is not signal.SIG_IGN or number == signal.SIGTERM:  # under nohup it stays ignored
+            signal.signal(number, _interrupt)
     sys.unraisablehook = _unraisable
     threading.Thread(target=_watch, args=(reader,), daemon=True).start()
 
@@ -50,22 +65,24 @@ def install() -> None:
 def over() -> None:
     """The command is through: a signal ends the process now as it ends any other. SystemExit if one came before."""
     for number in _SIGNALS:
-        signal.signal(number, signal.SIG_IGN if _Told.once else signal.SIG_DFL)
-    if _Told.once:
-        raise SystemExit(INTERRUPTED)
+        if signal.getsignal(number) is _interrupt:
+            signal.signal(number, signal.SIG_IGN if told() else signal.SIG_DFL)
+    if told():
+        raise SystemExit(status())
 
 
 def _interrupt(number: int, frame: object) -> None:
-    if not _Told.once and not _Told.deferred:
-        _Told.once = True
+    _Told.by = _Told.by or number
+    if not (_Told.raised or _Told.deferred):
+        _Told.raised = True
         raise KeyboardInterrupt
-    _Told.lost |= not _Told.once
+    _Told.lost |= not _Told.raised
 
 
 def _unraisable(said: Any) -> None:
     """An interruption within a finaliser or a callback goes nowhere: it is to be repeated, not printed."""
     if isinstance(said.exc_value, KeyboardInterrupt):
-        _Told.once, _Told.lost = False, True
+        _Told.raised, _Told.lost = False, True
     else:
         sys.__unraisablehook__(said)
 
@@ -90,8 +107,8 @@ def _by_force() -> None:
     hurried.join(_HURRY)
     show_cursor = b"\x1b[?25h" if os.isatty(2) else b""  # a bar that is cut off has hidden it
     with suppress(OSError):
-        os.write(2, show_cursor + b"leakref: interrupted\n")
-    os._exit(INTERRUPTED)
+        os.write(2, show_cursor + f"leakref: {words()}\n".encode())
+    os._exit(status())
 
 
 def _tidy() -> None:

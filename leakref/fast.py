@@ -33,7 +33,7 @@ from leakref.fastspectra import Disc, magnitudes
 
 __all__ = ["realize"]
 
-Found = dict[tuple[str, str], Extraction]
+_Found = dict[tuple[str, str], Extraction]
 """By window and method."""
 _CUT = 4.25  # widths, where the Gaussian ends: 1e-15 of it is left
 
@@ -180,7 +180,7 @@ def _rings(disc: Disc, wavenumbers: FloatArray, gravity: float, peak_wavenumber:
 
 
 def _plainly(components: Components, grid: Grid, wavenumbers: FloatArray, windows: Sequence[str],
-             methods: Sequence[str], *, width: float, threshold: float, **settings: Any) -> Found:
+             methods: Sequence[str], *, width: float, threshold: float, **settings: Any) -> _Found:
     """`realize` by the reference itself."""
     own = {"nsp": {"width": width}, "ls": {"threshold": threshold}}
     spectra = {name: leakage.spectrum(components, grid, name) for name in windows}
@@ -191,7 +191,7 @@ def _plainly(components: Components, grid: Grid, wavenumbers: FloatArray, window
 def realize(components: Components, grid: Grid, wavenumbers: npt.ArrayLike, *,
             windows: Sequence[str] = ("box", "hann"), methods: Sequence[str] = ("nsp", "ls"), gravity: float = 1.0,
             peak_wavenumber: float | None = 1.0, width: float = nsp.WIDTH, half_width: float = HALF_WIDTH,
-            threshold: float = THRESHOLD, search: bool = True) -> Found:
+            threshold: float = THRESHOLD, search: bool = True) -> _Found:
     """What `chain.analyse` reports of these waves under every (window, method): velocities to 1e-11, and all notes.
 
     Settings as in `nsp.extract` and `leastsquares.extract`. `evaluations` are those of this way of climbing; the

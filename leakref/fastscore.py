@@ -12,9 +12,9 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
 from leakref._base import FloatArray, IntArray
+from leakref._caches import njit
 
 __all__ = ["DENSE", "KEPT", "ORDER", "POOL", "Models", "Ring", "climb", "least_squares", "only_leaked", "outdone",
            "peaks", "pool", "principal"]
@@ -28,8 +28,8 @@ _CHUNK = 64  # columns at a time
 KEPT = 64  # expansions of one shell
 POOL = 8  # places of the table of scores, an eighth of the width each
 
-_compiled: Any = njit(cache=True, nogil=True, error_model="numpy")
-_summing: Any = njit(cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
+_compiled: Any = njit(nogil=True, error_model="numpy")
+_summing: Any = njit(nogil=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
 
 
 class Ring(NamedTuple):

@@ -14,10 +14,10 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numba import njit
 
 from leakref import leakage
 from leakref._base import ComplexArray, FloatArray, IntArray
+from leakref._caches import njit
 from leakref.grid import Grid
 from leakref.sea import Components
 from leakref.window import Window
@@ -28,8 +28,8 @@ _BLOCK = 8  # frequencies in a block of the products, so that it stays in the ca
 _GROUPS = 4  # of waves that are no lattice
 _NODES = 34.0  # -log of the error of the interpolation along omega
 
-_compiled: Any = njit(cache=True, nogil=True, error_model="numpy")
-_summing: Any = njit(cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
+_compiled: Any = njit(nogil=True, error_model="numpy")
+_summing: Any = njit(nogil=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import io as streams
 import math
 import os
@@ -10,6 +11,7 @@ import zlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass
+from io import BytesIO
 from itertools import islice
 from pathlib import Path
 from typing import Any, BinaryIO, NoReturn
@@ -18,7 +20,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy import io
 
-from leakref._base import FloatArray, LeakrefError, finite
+from leakref._base import FloatArray, LARGEST, LeakrefError, Trouble, finite, vector
 from leakref._output import write_whole
 from leakref.cases import Configuration
 from leakref.dispersion import Scales
@@ -26,7 +28,8 @@ from leakref.grid import Grid
 from leakref.sea import Components
 from leakref.synthesis import synthesize
 
-__all__ = ["FORMATS", "UNITS", "Cube", "TooLarge", "netcdf_library", "of_configuration", "read", "variables", "write"]
+__all__ = ["FORMATS", "UNITS", "Cube", "TooLarge", "netcdf", "netcdf_library", "of_configuration", "read", "variables",
+           "write"]
 
 FORMATS = ("npz", "mat", "netcdf")
 """What can be written; read is also a memory-mapped npy."""
@@ -58,6 +61,10 @@ class Cube:
     current: FloatArray | None = None
     peak_wavenumber: float | None = None
     notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        if self.current is not None:
+            vector("Cube", current=self.current)
 
 
 def of_configuration(configuration: Configuration, realization: int, scales: Scales | None = None) -> Cube:
@@ -107,7 +114,7 @@ def write(path: Path, cube: Cube, format: str, about: Mapping[str, str] | None =
         dataset = _dataset(variables, words)
 
         def writer(beside: Path) -> None:
-            dataset.to_netcdf(beside, engine="h5netcdf")
+            beside.write_bytes(netcdf(dataset))
     return write_whole(path, writer)
 
 
@@ -121,6 +128,17 @@ def netcdf_library() -> Any:
         raise LeakrefError("netcdf", f"NetCDF needs {error.name}, which is not installed",
                            "pip install 'leakref[netcdf]', or use npz or mat") from None
     return xarray
+
+
+def netcdf(dataset: Any) -> bytes:
+    """An xarray.Dataset as NetCDF 4. In memory: HDF5 crashes, at the very end, where a disk is full."""
+    from h5netcdf import File
+    from xarray.backends import H5NetCDFStore
+
+    stream = BytesIO()
+    with File(stream, "w") as file:
+        dataset.dump_to_store(H5NetCDFStore(file))
+    return stream.getvalue()
 
 
 def _dataset(variables: Mapping[str, Any], words: Mapping[str, str]) -> Any:
@@ -202,10 +220,13 @@ def _variables(path: Path, names: Sequence[str], kinds: Sequence[str] = (), give
     except MemoryError:
         _refuse(path, "does not fit into memory", _AS_NPY)
     except Exception as error:  # parsers of damaged files raise anything: struct.error, zlib.error, KeyError, OSError
+        if isinstance(error, OSError) and error.errno in _AROUND:
+            raise Trouble("extract", f"{path} cannot be read ({error.strerror})", "see to that and try again") from None
         _refuse(path, f"is damaged or cut short (reading it as {kind} failed: {error or type(error).__name__})",
                 "copy or export it again")
 
 
+_AROUND = (errno.EIO, errno.EMFILE, errno.ENFILE, errno.ENOMEM, errno.ESTALE)  # not the file's fault
 _AS_NPY = "save eta with numpy.save as .npy, which is read in blocks, and pass --spacing dx,dy,dt"
 
 
@@ -239,8 +260,8 @@ def _kind(path: Path, start: bytes) -> tuple[str, Reader]:
     _refuse(path, "is of no kind that is known", "pass an npz, mat (v5 to v7), NetCDF (4) or npy file")
 
 
-def _claim(path: Path, name: str, shape: tuple[int, ...], itemsize: int, available: int, loaded: bool = True,
-           most: int | None = None) -> None:
+def _claim(path: Path, name: str, shape: tuple[int, ...], itemsize: int, available: float = math.inf,
+           loaded: bool = True, most: int | None = None) -> None:
     """Refuse what a header claims but the file cannot hold, or memory cannot (a transform needs it four times).
 
     And what is more than `most` numbers, of 32 bytes or fewer.
@@ -382,13 +403,14 @@ def _read_netcdf(path: Path, stream: BinaryIO, names: Sequence[str], most: int |
     import h5py
 
     with h5py.File(path) as first:  # alone: h5netcdf prints a traceback of its own where this fails
-        _ = [first["/"][name] for name in first]
-    with xarray.open_dataset(path, engine="h5netcdf", decode_times=False) as data:
+        for name in first:
+            _written(path, name, first["/"][name])
+    with xarray.open_dataset(path, engine="h5netcdf", decode_times=False, phony_dims="sort") as data:
         found: dict[str, Any] = {}
         for name in names:
             if name in data.variables:
                 variable = data.variables[name]
-                _claim(path, name, variable.shape, variable.dtype.itemsize, _DENSEST * path.stat().st_size)
+                _claim(path, name, variable.shape, variable.dtype.itemsize)
                 found[name] = variable.values
                 found[f"units of {name}"] = str(variable.attrs.get("units", ""))
         if "eta" in found:
@@ -398,6 +420,20 @@ def _read_netcdf(path: Path, stream: BinaryIO, names: Sequence[str], most: int |
                 found["t"], found["units of t"] = data["time"].values, str(data["time"].attrs.get("units", ""))
         found |= {name: data.attrs[name] for name in ("units", "gravity") if name in data.attrs and name not in found}
     return found
+
+
+def _written(path: Path, name: str, stored: Any) -> None:
+    """Refuse a variable of which parts were never written: they would be read as whatever it is filled with."""
+    if not getattr(stored, "size", 0) or stored.is_virtual or stored.external:
+        return
+    whole, there = 1, int(stored.id.get_storage_size() > 0)
+    if stored.chunks:
+        whole = math.prod(-(-n // size) for n, size in zip(stored.shape, stored.chunks, strict=True))
+        there = int(stored.id.get_num_chunks())
+    unnamed = stored.attrs.get("NAME", b"").startswith(b"This is a netCDF dimension")  # a size only, never written
+    if there < whole and name in _KNOWN and not unnamed:
+        _refuse(path, f"holds {name} of shape {stored.shape}, of which {there} of {whole} parts were ever written",
+                "finish writing it, or cut it to what was recorded")
 
 
 # --- judging what was read -------------------------------------------------------------------------------------------
@@ -439,10 +475,11 @@ def _cube(path: Path, raw: dict[str, Any], spacing: Sequence[float] | None, axes
         current = finite("Cube", "current", np.ravel(raw["current"]), 1) if "current" in raw else None
         if not isinstance(eta, np.memmap):
             eta = finite("Cube", "eta", eta, 3)
+        peak = _number(path, "peak_wavenumber", raw["peak_wavenumber"]) if "peak_wavenumber" in raw else None
+        return Cube(eta, grid, g, units, components, current, peak, tuple(notes))
     except LeakrefError as error:
-        raise LeakrefError("extract", f"{path}: {error.fault}", error.remedy) from None
-    peak = _number(path, "peak_wavenumber", raw["peak_wavenumber"]) if "peak_wavenumber" in raw else None
-    return Cube(eta, grid, g, units, components, current, peak, tuple(notes))
+        raise LeakrefError("extract", str(path) + ": " * (not error.fault.startswith(str(path)))
+                           + error.fault.removeprefix(str(path)), error.remedy) from None
 
 
 def _ordered(path: Path, raw: dict[str, Any], axes: str | None) -> Any:
@@ -473,7 +510,7 @@ def _ordered(path: Path, raw: dict[str, Any], axes: str | None) -> Any:
 
 def _number(path: Path, name: str, value: npt.ArrayLike) -> float:
     array = np.asarray(value)
-    if array.size != 1 or array.dtype.kind not in "iuf" or not array.item() > 0 or not np.isfinite(array.item()):
+    if array.size != 1 or array.dtype.kind not in "iuf" or not 1 / LARGEST <= array.item() <= LARGEST:
         _refuse(path, f"has {name} = {array.tolist()!r:.60}", f"store {name} as one positive number")
     return float(array.item())
 
@@ -503,13 +540,18 @@ def _step(path: Path, name: str, values: npt.ArrayLike, shape: tuple[int, ...], 
                 "pass --axes with the order in which eta is stored, or correct the coordinate")
     if v.dtype.kind not in "iuf" or not np.isfinite(v).all():
         _refuse(path, f"has a coordinate {name} that is not all finite real numbers", "correct it or pass --spacing")
-    v = v.astype(np.float64)
+    with np.errstate(over="ignore"):
+        v = v.astype(np.float64)
+        mean = float(v[-1] - v[0]) / (v.size - 1)
+    if not 1 / LARGEST <= abs(mean) <= LARGEST and np.unique(v).size > 1:
+        _refuse(path, f"has a coordinate {name} from {v[0]:g} to {v[-1]:g}, beyond all reckoning",
+                "give it in units that bring its steps nearer to 1")
     if not np.all(np.diff(v) > 0):
         at = int(np.argmin(np.diff(v) > 0))
         _refuse(path, f"has a coordinate {name} that does not increase: {v[at]:g} is followed by {v[at + 1]:g} "
                 f"(index {at})", f"sort it, and reverse eta along {name} with it")
     index = np.arange(v.size)
-    first, mean = float(v[1] - v[0]), float(v[-1] - v[0]) / (v.size - 1)
+    first = float(v[1] - v[0])
     off = np.abs(v - (v[0] + index * mean)) / mean
     if off.max() > JITTER:
         at = int(np.argmax(off))

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import logging
 import multiprocessing
 import os
+import signal
 import threading
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
+from concurrent.futures import CancelledError, Executor, Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import asdict, dataclass
@@ -18,7 +20,7 @@ import numpy as np
 from threadpoolctl import ThreadpoolController
 
 from leakref import ensemble, kept, sources
-from leakref._base import FloatArray, IntArray, LeakrefError
+from leakref._base import FloatArray, IntArray, LeakrefError, Trouble
 from leakref.cases import REALIZATIONS, Configuration
 from leakref.chain import METHODS
 from leakref.ending import Workers
@@ -107,7 +109,8 @@ def _store(task: Task, folder: Path | None, part: Part) -> None:
 
 
 def _end_with_parent() -> None:
-    """In a worker: leave when the process that started it is gone, however it went."""
+    """In a worker: leave when the process that started it is gone, however it went; Ctrl-C is its business."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
     if parent is not None:
 
@@ -130,6 +133,9 @@ def pool(workers: int) -> Iterator[Executor | None]:
     with ProcessPoolExecutor(workers, mp_context=context, initializer=_end_with_parent) as executor:
         try:
             yield executor
+        except BrokenProcessPool:
+            raise Trouble("run", "a worker process died, perhaps for want of memory",
+                          "use fewer workers; the same command goes on where this one stopped") from None
         except BaseException:
             executor.shutdown(wait=False, cancel_futures=True)
             context.kill()  # it would be waited for what they are at, for minutes
@@ -140,7 +146,8 @@ def pool(workers: int) -> Iterator[Executor | None]:
 def connected(address: str) -> Iterator[Executor]:
     """The executor of an existing dask.distributed cluster (extra `distributed`)."""
     try:
-        from distributed import Client
+        from distributed import Client, KilledWorker
+        from distributed.comm import CommClosedError
     except ModuleNotFoundError:
         raise LeakrefError("connected", "dask.distributed is not installed",
                            "pip install 'leakref[distributed]'") from None
@@ -149,8 +156,13 @@ def connected(address: str) -> Iterator[Executor]:
     except (OSError, ValueError, TimeoutError) as error:
         raise LeakrefError("connected", f"no scheduler answers at {address} ({error})",
                            "start one with `dask scheduler` and give its address, tcp://host:8786") from None
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what it would say is said below, once
     with client:
-        yield client.get_executor(pure=False)
+        try:
+            yield client.get_executor(pure=False)
+        except (CancelledError, KilledWorker, CommClosedError) as error:
+            raise Trouble("run", f"the scheduler at {address} or its workers are gone ({type(error).__name__})",
+                          "start them again; the same command goes on where this one stopped") from None
 
 
 def run(configurations: Sequence[Configuration], *, realizations: int = REALIZATIONS,
@@ -191,12 +203,7 @@ def run(configurations: Sequence[Configuration], *, realizations: int = REALIZAT
 
 def _next(finished: Iterator[Future[Part]], tasks: dict[Future[Part], Task]) -> tuple[Task, Part]:
     future = next(finished)
-    try:
-        part = future.result()
-    except BrokenProcessPool:
-        raise LeakrefError("run", "a worker process died, perhaps for want of memory",
-                           "use fewer workers; the same command goes on where this one stopped") from None
-    return tasks[future], part
+    return tasks[future], future.result()
 
 
 def _ensembles(plan: Sequence[Task], parts: Sequence[Part]) -> list[Ensemble]:

@@ -119,6 +119,9 @@ class SeaState:
 
     def __post_init__(self) -> None:
         finite("SeaState", "direction", self.direction)
+        if not hasattr(self.current, "doppler_shift_velocity"):
+            raise LeakrefError("SeaState", f"current = {self.current!r} is no current",
+                               "give UniformCurrent((Ux, Uy)), or another one with a doppler_shift_velocity")
         positive("SeaState", spread=self.spread, peakedness=self.peakedness, length=self.length)
         if self.spread > 360:
             raise LeakrefError("SeaState", f"spread = {self.spread} degrees", "give a full width of at most 360")
@@ -143,7 +146,10 @@ class SeaState:
         if not k.size:
             raise LeakrefError("SeaState.components", f"no lattice point lies within the spread of {self.spread} "
                                f"degrees at length {self.length}", "widen the spread or enlarge the domain")
-        shift = self.current.doppler_shift_velocity(k)
+        shift = finite("SeaState.components", "the Doppler shift velocity", self.current.doppler_shift_velocity(k))
+        if shift.shape != (k.size, 2):
+            raise LeakrefError("SeaState.components", f"the current gave velocities of shape {shift.shape} for "
+                               f"{k.size} wavenumbers", "give two components (x, y) for each")
         omega = intrinsic_frequency(k) + dk * (i * shift[:, 0] + j * shift[:, 1])
         return Components(dk * i, dk * j, omega, np.sqrt(energy), uniform_phases(int(realization), i, j))
 

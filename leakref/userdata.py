@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import hashlib
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from leakref import blocks, files, screen
-from leakref._base import FloatArray, LeakrefError, positive
+from leakref._base import FloatArray, LeakrefError, levelled, positive
 from leakref._output import console, dump, envelope, folder, write_whole
 from leakref.cases import configurations
 from leakref.chain import METHODS, analyse
@@ -192,8 +193,10 @@ def _measure(cube: Cube, window: str, method: str, asked: FloatArray | None, scr
         reach = float(np.sqrt(bins * grid.bin_widths[0] * grid.bin_widths[1]) / 2)
         if asked is not None:
             reach = float(asked.max()) + (HALF_WIDTH + 1) * grid.wavenumber_resolution
-    trend = blocks.trend(cube.surface, detrend)
-    removed = trend if detrend != "none" else None
+    surface, exponent = (cube.surface, 0) if in_blocks else levelled(cube.surface)
+    level = replace(cube, surface=surface)
+    removed = blocks.trend(surface, detrend)
+    trend = np.ldexp(removed, exponent)  # as it is in the file
     if detrend == "mean":
         notes.append(f"the mean, {trend[0]:.6g}, was removed")
     elif detrend == "linear":
@@ -204,7 +207,7 @@ def _measure(cube: Cube, window: str, method: str, asked: FloatArray | None, scr
         notes.append("neither mean nor trend was removed (--detrend mean or linear does)")
 
     def spectrum(name: str) -> Spectrum:
-        return spectrum_of(cube, name, removed, reach, in_blocks=in_blocks)
+        return spectrum_of(level, name, removed if detrend != "none" else None, reach, in_blocks=in_blocks)
 
     main = spectrum(window)
     taper = "hann" if window == "box" else window
@@ -225,9 +228,9 @@ def _measure(cube: Cube, window: str, method: str, asked: FloatArray | None, scr
     pair = main if window == "box" else spectrum("box"), smooth
     rotated = None
     if angle is not None:
-        level = np.asarray(cube.surface) if removed is None else cube.surface - blocks.plane(removed, grid.shape)
-        surface, smaller = screen.rotate(level, grid, angle)
-        rotated = screen.turned([fourier(surface, smaller, name) for name in ("box", taper)], k, angle,
+        flat = np.asarray(surface) if detrend == "none" else surface - blocks.plane(removed, grid.shape)
+        turned, smaller = screen.rotate(flat, grid, angle)
+        rotated = screen.turned([fourier(turned, smaller, name) for name in ("box", taper)], k, angle,
                                 gravity=cube.gravity, method=method)
         notes.append(f"turned by {angle:g} degrees by interpolation on the inscribed square of {smaller.shape[0]} x "
                      f"{smaller.shape[1]} samples: not lossless, and of coarser resolution")
@@ -320,4 +323,4 @@ def _write(out: Path, record: dict[str, Any], found: Extraction, flags: list[lis
         {name: ("wavenumber", np.array(values, dtype=str)) for name, values in words.items()},
         attrs={"Conventions": "CF-1.10", "units": cube.units, "gravity": cube.gravity, "window": record["window"],
                "method": record["method"], "trend_removed": record["removed"]["trend"]})
-    write_whole(out / "extract.nc", lambda path: dataset.to_netcdf(path, engine="h5netcdf"))
+    write_whole(out / "extract.nc", lambda path: path.write_bytes(files.netcdf(dataset)))

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from leakref import LeakrefError, kept, runs
+from leakref._base import Trouble
 from leakref.cases import Configuration
 from leakref.shell import Note
 
@@ -222,7 +223,7 @@ def test_a_refusal_in_a_worker_comes_back_as_it_was():
 
 
 def test_a_worker_that_dies_is_reported():
-    with runs.pool(2) as executor, pytest.raises(LeakrefError, match=r"worker process died.*goes on where"):
+    with pytest.raises(Trouble, match=r"worker process died.*goes on where"), runs.pool(2) as executor:
         runs._next(iter([executor.submit(os._exit, 1)]), {})
 
 

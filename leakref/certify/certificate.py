@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
-from leakref._base import LeakrefError
+from leakref._base import LeakrefError, refusal
 from leakref._output import envelope, plain
 from leakref.certify.registry import FAMILIES
 from leakref.certify.verdict import WRONG, Finding, Verdict
@@ -40,7 +40,7 @@ def read_known(path: Path) -> dict[str, Known]:
     try:
         table = tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
-        raise LeakrefError("certify", f"{path} cannot be read ({error.strerror})", "give a TOML file") from None
+        raise refusal("certify", f"{path} cannot be read ({error.strerror})", "give a TOML file", error) from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise LeakrefError("certify", f"{path} is not TOML ({error})",
                            'write lines such as "recovery.pair[...]" = {reason = "...", issue = "..."}') from None

@@ -20,7 +20,7 @@ from typing import Any, BinaryIO
 
 import psutil
 
-from leakref._base import LeakrefError
+from leakref._base import refusal
 from leakref._output import dump
 from leakref.certify import guardian, memory
 from leakref.certify.verdict import Unanswered, Verdict, printable
@@ -59,8 +59,8 @@ class Child:
             self._popen = (self._guarded if sys.platform == "linux" else self._started)(command, folder)
         except (OSError, ValueError) as error:
             reason = getattr(error, "strerror", None) or str(error)
-            raise LeakrefError("certify", f"{printable(command[0])!r} cannot be started ({reason})",
-                               "give the program and its arguments as in a shell, with a path if need be") from None
+            raise refusal("certify", f"{printable(command[0])!r} cannot be started ({reason})",
+                          "give the program and its arguments as in a shell, with a path if need be", error) from None
         self._process = psutil.Process(self._popen.pid)
         self._seen = {self._process}
         self._batches: queue.Queue[list[Message] | None] = queue.Queue()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import traceback
 from collections.abc import Callable, Sequence
 from fnmatch import fnmatchcase
 
@@ -52,10 +51,10 @@ def judged(pairs: Sequence[tuple[Check, Case]], subject: Subject,
     for c, case in pairs:
         try:
             finding = c(subject, case)
-        except LeakrefError:  # of the harness, such as a disk that is full
+        except (LeakrefError, OSError, MemoryError):  # of the harness, such as a disk that is full
             raise
         except Exception as error:
-            raise RuntimeError(f"check {c.id}[{case.id}] is broken: {traceback.format_exc()}") from error
+            raise RuntimeError(f"check {c.id}[{case.id}] is broken: {type(error).__name__}: {error}") from error
         findings.append(finding)
         after_each(finding)
     return findings

@@ -34,6 +34,7 @@ _ROUNDS = 9  # of removing what is there, while somebody adds to it
 _STEPWISE = os.open in os.supports_dir_fd  # whether a path can be walked folder by folder
 _ENTRIES = 1000
 """In the exchange folder: those beyond it are not looked at."""
+_ROOM = 1 << 16
 
 
 class Exchange:
@@ -102,6 +103,12 @@ class Exchange:
                                             "output should be") from None
         with stream:
             return (_raw if self._format == "raw" else _packed)(stream, path, name, shape)
+
+    def room(self) -> None:
+        """Raise OSError if the output had no room: that is no fault of the program's."""
+        largest = max((size for _, size, _ in self._inputs.values()), default=0)
+        with tempfile.TemporaryFile(dir=self.folder) as stream:
+            stream.write(bytes(_ROOM + 2 * largest))
 
     def changes(self) -> list[str]:
         """What was done in the folder, since `give`, other than writing the output: each in words, none if all is well.

@@ -10,7 +10,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from leakref._base import LeakrefError
+from leakref._base import LeakrefError, Trouble
 from leakref.certify.child import Breach, Child
 from leakref.certify.declaration import Declaration
 from leakref.certify.exchange import Exchange
@@ -32,6 +32,8 @@ _OUTPUTS = {"spectrum": "S", "synthesize": "eta", "window": "w"}
 
 class HarnessBroken(LeakrefError):
     """Nothing can be judged: the program does not get as far as answering a first, small question."""
+
+    status = 3
 
 
 @dataclass(frozen=True)
@@ -145,6 +147,8 @@ class ProcessSubject(Subject):
         if self._child is None:
             try:
                 declared = self._start()
+            except Trouble:
+                raise
             except LeakrefError as refusal:
                 raise Breach(Verdict.ERROR, f"could not be started again: {refusal.fault}") from None
             if declared != self.declaration:
@@ -196,6 +200,7 @@ class ProcessSubject(Subject):
             return {name: answer[name] for name in ("velocities", "wavenumbers") if name in answer}
         except Breach as breach:
             said = self._blamed(breach)
+            self._exchange.room()
             self._end()
             self._strikes += 1
             self._last = breach.message
@@ -224,6 +229,8 @@ class ProcessSubject(Subject):
         self.violations += [f"{request['stage']} altered its input {printable(name, 40)}"
                             for name in (altered[:9] if isinstance(altered, list) else ())]
         status, message = answer.get("status"), printable(answer.get("message") or "it does not say why")
+        if status == "error":
+            self._exchange.room()
         if status == "unsupported":
             raise Unanswered(Verdict.UNSUPPORTED, message)
         if status != "ok":

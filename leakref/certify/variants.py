@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 import scipy.fft
-from numba import njit
 from scipy.optimize import minimize
 
 from leakref._base import FloatArray, LeakrefError
+from leakref._caches import njit
 from leakref.altered import Change, altered
 from leakref.certify.faults import Named
 from leakref.chain import Reference, reference
@@ -262,7 +262,7 @@ class _ByLoops(_Own):
         return self.optimiser(lambda c: float(_looped(*shell, c, gravity, a)), unit)
 
 
-@njit(cache=True)
+@njit()
 def _looped(x, y, k, omega, f, weight, c, gravity, a):  # type: ignore[no-untyped-def]
     overlap = total = 0.0
     for n in range(k.size):

@@ -20,12 +20,13 @@ from typing import Any
 
 import portalocker
 
-from leakref._base import LeakrefError
+from leakref._base import LeakrefError, refusal
 from leakref.golden import digest
 
 __all__ = ["SCHEMA", "Damaged", "Entry", "History", "append", "read"]
 
 SCHEMA = "leakref/history/1"
+_FORM = {"label": str, "target": str, "after": str | None, "measurements": list, "timings": dict | None}
 _PATIENCE = 60.0  # seconds to wait for another writer
 
 
@@ -141,8 +142,8 @@ def append(path: Path, fields: Mapping[str, Any]) -> tuple[Entry, str]:
             stream.flush()
             os.fsync(stream.fileno())
     except (OSError, portalocker.LockException) as error:
-        raise LeakrefError("history", f"{path} cannot be written ({error})",
-                           "choose another file with --history, or end who holds it") from None
+        raise refusal("history", f"{path} cannot be written ({error})",
+                      "choose another file with --history, or end who holds it", error) from None
     return Entry(len(lines) + 1, record), said
 
 
@@ -155,8 +156,8 @@ def _bytes(path: Path) -> bytes:
     except portalocker.LockException:
         return path.read_bytes()  # a file system without locks
     except OSError as error:
-        raise LeakrefError("history", f"{path} cannot be read ({error.strerror or error})",
-                           "record into it first: `leakref track record`") from None
+        raise refusal("history", f"{path} cannot be read ({error.strerror or error})",
+                      "record into it first: `leakref track record`", error) from None
 
 
 def _line(record: Mapping[str, Any]) -> bytes:
@@ -188,6 +189,9 @@ def _entry(number: int, line: bytes) -> Entry:
         return Entry(number, record, "was edited: its contents are not those of its digest")
     if record.get("schema") != SCHEMA:
         return Entry(number, record, f"is of another schema, {record.get('schema')!r}")
+    if wrong := [name for name, kind in _FORM.items() if not isinstance(record.get(name), kind)]:
+        sound = {name: value for name, value in record.items() if name not in wrong}
+        return Entry(number, sound, f"is no entry: its {wrong[0]} is {str(record.get(wrong[0]))[:40]!r}")
     return Entry(number, record)
 
 

@@ -24,7 +24,7 @@ import numpy as np
 import scipy
 
 from leakref import __version__, fast, runs, sources
-from leakref._base import FloatArray, LeakrefError
+from leakref._base import FloatArray, LeakrefError, Trouble, refusal
 from leakref._output import plain
 from leakref.cases import Configuration, configurations
 from leakref.certify.bias import SEAS
@@ -120,10 +120,14 @@ class Series:
 
     @classmethod
     def read(cls, kept: Mapping[str, Any]) -> Series:
-        """From a history."""
-        errors = np.array(kept["errors"], dtype=np.float64).reshape(len(kept["errors"]), -1) * kept["unit"]
-        return cls(kept["case"], kept["case_sha256"], kept["window"], kept["method"], np.array(kept["wavenumbers"]),
-                   np.array(kept["resolution"]), kept["first"], errors)
+        """From a history. Raises Trouble if it is not what `record` gives."""
+        try:
+            errors = np.array(kept["errors"], dtype=np.float64).reshape(len(kept["errors"]), -1) * kept["unit"]
+            return cls(kept["case"], kept["case_sha256"], kept["window"], kept["method"], np.array(kept["wavenumbers"]),
+                       np.array(kept["resolution"]), kept["first"], errors)
+        except (KeyError, TypeError, ValueError, AttributeError) as error:
+            raise Trouble("track", f"an entry of the history is not whole ({type(error).__name__}: {error})",
+                          "put its line back from version control") from None
 
 
 def _rounded(values: FloatArray) -> list[float | None]:
@@ -284,7 +288,7 @@ def _hashed(places: Sequence[Path]) -> dict[str, Any]:
             try:
                 kept.append((path.name, sha256(path.read_bytes()).hexdigest()))
             except OSError as error:
-                raise LeakrefError("track", f"{path} cannot be read ({error.strerror})",
-                                   "give files or folders of the source with --source") from None
+                raise refusal("track", f"{path} cannot be read ({error.strerror})",
+                              "give files or folders of the source with --source", error) from None
     names = ", ".join(name for name, _ in kept[:6]) + f" and {len(kept) - 6} more" * (len(kept) > 6)
     return {"sha256": digest(sorted(kept)), "of": names or "nothing"}
