@@ -15,7 +15,6 @@ from __future__ import annotations
 
 import hashlib
 import io
-import json
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -27,6 +26,7 @@ from typing import Any
 import numpy as np
 
 from leakref._base import Damaged, FloatArray, LeakrefError
+from leakref.golden.digests import PUT_BACK, canonical, digest, sealed, strict
 
 __all__ = ["EPSILON", "MARGIN", "PUT_BACK", "SCHEMA_VERSION", "SETS", "Entry", "Failure", "Golden", "Report",
            "agreed_digits", "canonical", "compare", "digest", "entry_digest", "lint", "locate", "sealed", "strict",
@@ -36,7 +36,6 @@ EPSILON = 2.0**-52
 MARGIN = 8.0
 """Between one rounding of every operation, as the conditioning counts it, and what is let pass."""
 SCHEMA_VERSION = 1
-PUT_BACK = "put the file back: install again, or take it from version control"
 _FORM = 4  # items of an array that show its form
 SETS = ("vectors", "analytic", "realizations", "ensembles")
 """The folders of a set, from quick to slow."""
@@ -52,16 +51,6 @@ def agreed_digits(difference: float, scale: float) -> float:
     most = -math.log10(EPSILON)
     agreed = most if difference <= EPSILON * scale else min(most, -math.log10(difference / scale))
     return math.floor(10 * agreed) / 10
-
-
-def canonical(record: Any) -> bytes:
-    """The bytes a digest is taken of: strict JSON, sorted keys, no spaces, floats as short as round-trips."""
-    return json.dumps(record, sort_keys=True, separators=(",", ":"), ensure_ascii=False, allow_nan=False).encode()
-
-
-def digest(record: Any) -> str:
-    """SHA-256 of `canonical`."""
-    return hashlib.sha256(canonical(record)).hexdigest()
 
 
 @dataclass(frozen=True)
@@ -207,30 +196,6 @@ class Golden:
                 return next(entry for entry in self.file(name) if entry.id == identifier)
         raise LeakrefError("golden", f"no golden value is called {identifier!r}", "`leakref golden lint --json` counts "
                            "what there is; ids are in golden/v1/manifest.json")
-
-
-def strict(name: str, content: bytes) -> Any:
-    """What the file `name` says; `Damaged` if it is not strict JSON."""
-    try:
-        return json.loads(content, parse_constant=_no_constant, object_pairs_hook=_no_twins)
-    except (ValueError, RecursionError) as error:
-        raise Damaged("golden", f"{name} is not strict JSON ({error})", PUT_BACK) from None
-
-
-def sealed(manifest: Mapping[str, Any]) -> bool:
-    """Whether a manifest is as it was written, by its own digest."""
-    return manifest.get("sha256") == digest({key: value for key, value in manifest.items() if key != "sha256"})
-
-
-def _no_constant(name: str) -> float:
-    raise ValueError(f"{name} is not JSON")
-
-
-def _no_twins(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    """A key given twice hides a number: refuse it."""
-    if len({key for key, _ in pairs}) != len(pairs):
-        raise ValueError(f"a key is there twice among {[key for key, _ in pairs][:6]}")
-    return dict(pairs)
 
 
 def entry_digest(entry: Entry) -> str:
