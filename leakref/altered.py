@@ -55,7 +55,8 @@ class _Altered(importlib.abc.MetaPathFinder, importlib.abc.Loader):
     def exec_module(self, module: ModuleType) -> None:
         room = module.__name__.removeprefix(self.name).lstrip(".") or "__init__"
         source = _changed(room, [change for change in self.changes if change.room == room])
-        own = re.sub(rf"^(\s*from )leakref(?!\.(?:{'|'.join(_SHARED)})\b)([. ])", rf"\1{self.name}\2", source, flags=re.MULTILINE)
+        own = re.sub(rf"^(\s*from )leakref(?!\.(?:{'|'.join(_SHARED)})\b)([. ])", rf"\1{self.name}\2", source,
+                     flags=re.MULTILINE)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", SyntaxWarning)  # what is planted need not make sense
             code = compile(own, f"<{self.name}.{room}>", "exec")
@@ -82,9 +83,9 @@ def _rooms(*entries: str) -> list[str]:
 @cache
 def _compiled() -> dict[str, set[str]]:
     """The compiled rooms, and for each whose changes reach it."""
-    return {room: {module.partition(".")[2] for module in sources.reach(f"{_PACKAGE}.{room}")}
+    return {room: {module.partition(".")[2] for module in sources.reach(f"{_PACKAGE}.{room}")} - {*_SHARED}
             for room in _rooms("fast", "cases")
-            if any(module == "numba" for module, _ in sources.imports((_ROOMS / f"{room}.py").read_text("utf-8"))[2])}
+            if any(name == "njit" for _, name in sources.imports((_ROOMS / f"{room}.py").read_text("utf-8"))[2])}
 
 
 @cache

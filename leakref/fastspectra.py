@@ -8,7 +8,7 @@ off along omega the waves are one smooth function, known from some thirty nodes 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 from typing import Any
@@ -210,7 +210,7 @@ def _in_groups(components: Components) -> list[Components]:
     if _rows_and_columns(components)[2]:
         return [components]
     parts = np.array_split(np.argsort(components.omega, kind="stable"), _GROUPS)
-    return [Components(*(getattr(components, name)[part] for name in Components.__dataclass_fields__))
+    return [replace(components, **{name: values[part] for name, values in vars(components).items()})
             for part in parts if part.size]
 
 
