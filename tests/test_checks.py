@@ -30,6 +30,7 @@ def subject():
     return InProcess(reference)
 
 
+@pytest.mark.stored
 @pytest.mark.parametrize("identifier", [*QUICK, *(pytest.param(i, marks=pytest.mark.slow) for i in SLOW)])
 def test_the_reference_passes(identifier, subject):
     finding = run_check(identifier, subject)

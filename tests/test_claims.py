@@ -13,6 +13,7 @@ from leakref.claims import CLAIMS, EXTRA, Evidence, chosen, command, words
 from leakref.claims.evidence import PLAIN, Setting
 from leakref.claims.stored import by_line, stored_claim, stored_claims
 from leakref.claims.words import Sample
+from leakref.golden.same import alike
 from leakref.ensemble import Ensemble
 from leakref.window import WINDOWS, Window
 
@@ -491,6 +492,7 @@ def test_every_claim_is_kept_with_a_hundred_realizations():
     assert stored_claim("A99") is None
 
 
+@pytest.mark.stored
 @pytest.mark.parametrize("id", ["W1", "W2", "W3", "W4", "W5", "W6", "W8"])
 def test_what_is_kept_of_the_windows_is_found_again(id):
     found, kept = json.loads(json.dumps(CLAIMS[id].judge(Evidence(2)).record())), stored_claim(id)
@@ -499,10 +501,13 @@ def test_what_is_kept_of_the_windows_is_found_again(id):
         assert found["readings"][0]["holds"] is kept["readings"][0]["holds"] is True
         found["readings"][0] = kept["readings"][0]
         found["figure"] = kept["figure"]
-    assert found == kept
+    assert alike(found, kept, 1e-11)  # absolute: where curves cross a level is found to 2e-12, by scipy's brentq
+    found["readings"][-1]["holds"] = not found["readings"][-1]["holds"]
+    assert not alike(found, kept, 1e-11)
 
 
 @pytest.mark.slow
+@pytest.mark.stored
 @pytest.mark.parametrize("id", ["A2", "A12", "N1", "N4", "W9", "P5"])
 def test_what_is_kept_of_ensembles_is_not_contradicted_by_a_few_realizations(id):
     """With ten of the hundred a reading may be open; it may not turn."""

@@ -249,6 +249,7 @@ def unlike(found, kept, precision=PRECISION, at=""):
         yield f"{at}: {found}, should be {kept}"
 
 
+@pytest.mark.stored
 def test_what_is_kept_is_found_again():
     """The cheapest of the eight seas, and the variants for which nothing need be compiled."""
     ids = ("edge-bins-out", "cut-at-3", "threshold-of-amplitude", "threshold-of-all")

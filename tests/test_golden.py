@@ -26,6 +26,7 @@ from leakref.golden.vectors import VECTORS
 
 from test_commands import leakref as command
 
+pytestmark = pytest.mark.stored
 SET = Path(str(golden.locate()))
 ALL = list(Golden().entries())
 HOUSE = Path(leakref.__file__).parent

@@ -98,6 +98,7 @@ def against_golden(case, realizations, sigmas):
     assert max(worst.values()) <= sigmas, worst
 
 
+@pytest.mark.stored
 def test_a_paper_case_agrees_with_its_golden_ensemble_within_the_standard_errors():
     against_golden("L-T/L=5,T=10", 20, 4)
 

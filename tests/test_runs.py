@@ -177,21 +177,28 @@ def test_other_settings_or_sources_are_other_files(tmp_path, monkeypatch):
 
 
 RUN = """
-import sys
+import sys, time
 from pathlib import Path
 sys.path.insert(0, sys.argv[2])
 from test_runs import BOTH, NUMBER, bits
 from leakref import runs
+
+def step():
+    if len(list(Path(sys.argv[1]).rglob("0*.npz"))) >= int(sys.argv[4]) >= 0:
+        time.sleep(600)
+
 if __name__ == "__main__":
     with runs.pool(int(sys.argv[3])) as executor:
-        sys.stdout.buffer.write(bits(runs.run(BOTH, realizations=NUMBER, folder=Path(sys.argv[1]), executor=executor)))
+        sys.stdout.buffer.write(bits(runs.run(BOTH, realizations=NUMBER, folder=Path(sys.argv[1]), executor=executor,
+                                              after_each=step)))
 """
 
 
-def start(folder, tmp_path, workers=1):
+def start(folder, tmp_path, workers=1, parts=-1):
+    """A run in a process of its own, which stands still once it has written so many parts."""
     script = tmp_path / "run.py"
     script.write_text(RUN)
-    return subprocess.Popen([sys.executable, script, folder, os.path.dirname(__file__), str(workers)],
+    return subprocess.Popen([sys.executable, script, folder, os.path.dirname(__file__), str(workers), str(parts)],
                             stdout=subprocess.PIPE, start_new_session=True)
 
 
@@ -200,7 +207,7 @@ def test_a_run_killed_at_any_moment_goes_on_where_it_was(serial, tmp_path, worke
     folder = tmp_path / "parts"
     counts = []
     for wanted in (1, 4):  # killed with the first part written, and again later
-        killed = start(folder, tmp_path, workers)
+        killed = start(folder, tmp_path, workers, wanted)
         while len(list(folder.rglob("0*.npz"))) < wanted and killed.poll() is None:
             time.sleep(0.01)
         killed.send_signal(signal.SIGKILL)
@@ -251,7 +258,7 @@ def test_a_dask_cluster_gives_the_same_bits_even_when_a_worker_is_killed(serial,
         assert not _is_running(victim)
 
 
-def _is_empty(group, patience=20):
+def _is_empty(group, patience=120):
     for _ in range(10 * patience):
         try:
             os.killpg(group, 0)
