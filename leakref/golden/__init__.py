@@ -15,10 +15,11 @@ from __future__ import annotations
 
 import hashlib
 import io
+import json
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cache, cached_property
 from importlib import resources
 from importlib.resources.abc import Traversable
 from typing import Any
@@ -308,6 +309,12 @@ def _schema_faults(record: Any, schema: dict[str, Any], kind: str) -> Iterator[s
         yield f"{'/'.join(map(str, error.path)) or 'it'}: {error.message[:200]}"
 
 
+@cache
+def _form_fault(outline: str, schema: str) -> str:
+    """The first fault of an entry's form, or nothing; a set that is looked at again is quick."""
+    return next(_schema_faults(json.loads(outline), json.loads(schema), "entry"), "")
+
+
 def _outline(value: Any) -> Any:
     """A record with the first items of its arrays only: the schema is about its form, the digest about every number."""
     if isinstance(value, dict):
@@ -319,8 +326,8 @@ def _entry_faults(entry: Entry, row: Mapping[str, Any], schema: dict[str, Any],
                   seen: dict[str, Entry]) -> Iterator[Failure]:
     name = str(entry.record.get("id", f"an entry without id in {entry.file}"))
     stage = str(entry.record.get("stage", ""))
-    fault = next(_schema_faults(_outline(entry.record), schema, "entry"), None)
-    if fault is not None:
+    fault = _form_fault(json.dumps(_outline(entry.record)), json.dumps(schema))
+    if fault:
         yield Failure(name, fault, stage)
         return
     if name in seen:
