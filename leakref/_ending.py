@@ -47,7 +47,7 @@ def _unraisable(lost: sys.UnraisableHookArgs) -> None:
     """Nothing can be raised out of a destructor or a callback from C: there the request is made again soon after."""
     if issubclass(lost.exc_type, KeyboardInterrupt) and _told:
         threading.Timer(0.02, os.kill, [os.getpid(), _told.pop()]).start()
-    else:
+    elif os.environ.get(TRACEBACK):  # what else a destructor complains of has been said in a line, as what caused it
         sys.__unraisablehook__(lost)
 
 
