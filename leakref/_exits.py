@@ -11,11 +11,10 @@ from collections.abc import Callable
 from contextlib import suppress
 
 from leakref import ending
+from leakref.ending import TRACEBACK
 
-__all__ = ["TRACEBACK", "plugged", "say", "status_of"]
+__all__ = ["plugged", "say", "status_of"]
 
-TRACEBACK = "LEAKREF_TRACEBACK"
-"""In the environment: whatever broke is also shown in full (`leakref --traceback ...` sets it)."""
 _WRONG_USE, _UNJUDGED = 2, 3
 _SIGNALLED = 128  # and the number of the signal, as in a shell
 

@@ -91,14 +91,17 @@ def console() -> Console:
 @contextmanager
 def progress_bar(what: str, total: int | None) -> Iterator[Callable[[], None]]:
     """A bar with rate and time left (where the total is known), on a terminal; yields what to call after each step."""
+    show = console()
+    if not show.is_terminal:  # a bar that nobody sees would still end its line
+        yield lambda: None
+        return
     from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
     from rich.progress import Progress as Bar
 
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rate]}"),
                TimeElapsedColumn(), TimeRemainingColumn())
     bar: Progress
-    show = console()
-    with Bar(*columns, console=show, transient=True, disable=not show.is_terminal) as bar:
+    with Bar(*columns, console=show, transient=True) as bar:
         task = bar.add_task(what, total=total, rate="")
 
         def step() -> None:

@@ -31,7 +31,7 @@ def _options(
                                                                 "LEAKREF_TRACEBACK=1.")] = False,
 ) -> None:
     if traceback:
-        os.environ[_exits.TRACEBACK] = "1"
+        os.environ[ending.TRACEBACK] = "1"
     if context.invoked_subcommand is None and version is True:
         typer.echo(f"leakref {__version__}")
     elif context.invoked_subcommand is None:

@@ -14,8 +14,10 @@ from contextlib import contextmanager, suppress
 from multiprocessing.context import SpawnContext, SpawnProcess
 from typing import Any
 
-__all__ = ["Workers", "install", "last_resorts", "over", "status", "told", "words"]
+__all__ = ["TRACEBACK", "Workers", "install", "last_resorts", "over", "status", "told", "words"]
 
+TRACEBACK = "LEAKREF_TRACEBACK"
+"""In the environment: whatever broke is also shown in full (`leakref --traceback ...` sets it)."""
 _SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
 _PATIENCE = 3.0  # seconds to end in good order, of the five that there are
 _HURRY = 1.0  # seconds for the last resorts together
@@ -83,7 +85,7 @@ def _unraisable(said: Any) -> None:
     """An interruption within a finaliser or a callback goes nowhere: it is to be repeated, not printed."""
     if isinstance(said.exc_value, KeyboardInterrupt):
         _Told.raised, _Told.lost = False, True
-    else:
+    elif os.environ.get(TRACEBACK):  # what else a destructor complains of has been said in a line, as what caused it
         sys.__unraisablehook__(said)
 
 

@@ -18,7 +18,7 @@ import pytest
 from distributed import KilledWorker
 from distributed.comm import CommClosedError
 
-from leakref import _exits, runs
+from leakref import ending, runs
 from leakref._base import LeakrefError, Trouble, refusal
 from leakref.golden import digest
 from leakref.track import history
@@ -70,7 +70,7 @@ def test_whatever_breaks_is_one_line_and_a_status_that_is_no_verdict(raised, sta
 
 
 @pytest.mark.parametrize(("words", "env"), [(["--traceback", "explain"], {}),
-                                            (["explain"], {_exits.TRACEBACK: "1"})])
+                                            (["explain"], {ending.TRACEBACK: "1"})])
 def test_the_traceback_is_there_for_the_asking(words, env):
     done = leakref(*words, before=BROKEN.format("raise OSError(28, 'full')"), env={**os.environ, **env})
     assert done.returncode == 3
