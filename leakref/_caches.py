@@ -30,6 +30,7 @@ def prepare() -> None:
     atexit.register(_remove, private, os.getpid())
     for name in lacking:
         os.environ[name] = os.path.join(private, name.partition("_")[0].lower())
+        os.mkdir(os.environ[name])
 
 
 def njit(**options: Any) -> Callable[[Any], Any]:
