@@ -49,8 +49,8 @@ def extract(surface: npt.ArrayLike, spacing: tuple[float, float, float], wavenum
     Angular units throughout: wavenumbers in rad per unit of length, velocities in its units of length and
     time, `gravity` likewise (1 for scaled units). Raises LeakrefError.
     """
-    eta, _ = levelled(finite("extract", "surface", surface, 3))
-    return analyse(fourier(eta, Grid(eta.shape, spacing), window), wavenumbers, gravity=gravity, method=method,
+    eta = finite("extract", "surface", surface, 3)
+    return analyse(fourier(levelled(eta)[0], Grid(eta.shape, spacing), window), wavenumbers, gravity=gravity, method=method,
                    **settings)
 
 

@@ -216,7 +216,8 @@ def run(configurations: Sequence[Configuration], *, realizations: int = REALIZAT
 
 def _next(finished: Iterator[Future[Part]], tasks: dict[Future[Part], Task]) -> tuple[Task, Part]:
     future = next(finished)
-    return tasks[future], future.result()
+    part = future.result()
+    return tasks[future], part
 
 
 def _ensembles(plan: Sequence[Task], parts: Sequence[Part]) -> list[Ensemble]:
