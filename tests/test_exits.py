@@ -181,33 +181,39 @@ def test_a_lost_scheduler_is_no_verdict(error):
 
 
 def test_a_scheduler_that_is_killed_in_the_middle_ends_with_3_and_one_line(tmp_path):
-    dask = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--no-dashboard", "--host", "127.0.0.1",
-            "--port", "0", "--scheduler-file", "where.json"]
-    quiet = {"cwd": tmp_path, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    with subprocess.Popen(dask, **quiet) as scheduler:
-        try:
-            wait_for(tmp_path / "where.json")
-            address = json.loads((tmp_path / "where.json").read_text())["address"]
-            work = [sys.executable, "-m", "distributed.cli.dask_worker", "--no-dashboard", "--no-nanny",
-                    "--nthreads", "1", "--death-timeout", "1", address]
-            command = [*MAIN, "reproduce", "nsp-ls", "--realizations", "1000", "--out", "out", "--scheduler", address]
-            with (subprocess.Popen(work, **quiet) as worker,
-                  subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                                   text=True) as client):
-                wait_for(tmp_path / "out" / "parts", "*/*.npz")
-                scheduler.kill()
-                output, said = client.communicate(timeout=PATIENCE)
-                worker.kill()
-        finally:
-            scheduler.kill()
-    one_line(subprocess.CompletedProcess(command, client.returncode, output, said), 3, "are gone")
+    started = []
+
+    def start(*words, **streams):
+        streams = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL} | streams
+        started.append(subprocess.Popen([sys.executable, *words], cwd=tmp_path, text=True, **streams))
+        return started[-1]
+
+    try:
+        scheduler = start("-m", "distributed.cli.dask_scheduler", "--no-dashboard", "--host", "127.0.0.1",
+                          "--port", "0", "--scheduler-file", "where.json")
+        wait_for(tmp_path / "where.json")
+        address = json.loads((tmp_path / "where.json").read_text())["address"]
+        start("-m", "distributed.cli.dask_worker", "--no-dashboard", "--no-nanny", "--nthreads", "1",
+              "--death-timeout", "1", address)
+        client = start(*MAIN[1:], "reproduce", "nsp-ls", "--realizations", "1000", "--out", "out",
+                       "--scheduler", address, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        wait_for(tmp_path / "out" / "parts", "*/*.npz", client)
+        scheduler.kill()
+        output, said = client.communicate(timeout=PATIENCE)
+    finally:
+        for process in started:
+            process.kill()
+            process.wait()
+    one_line(subprocess.CompletedProcess(client.args, client.returncode, output, said), 3, "are gone")
     assert output == ""
 
 
-def wait_for(place, pattern=None):
+def wait_for(place, pattern=None, process=None):
+    """Until a file is there, or one of its kind; the process, if given, must not end before."""
     for _ in range(10 * PATIENCE):
         if place.exists() if pattern is None else list(place.glob(pattern)):
             return
+        assert process is None or process.poll() is None, process.communicate()
         time.sleep(0.1)
     raise AssertionError(f"{place} does not come")
 
