@@ -30,9 +30,7 @@ def foreign(tmp_path_factory):
                         dirs_exist_ok=True)
     for folder, _, _ in os.walk(place):
         os.chmod(folder, 0o555)
-    for folder in (place, *place.parents):
-        if folder.name.startswith("pytest-"):
-            folder.chmod(folder.stat().st_mode | 0o055)  # whoever reads it has to come this far
+    _open(place)
     if os.geteuid():
         yield place, [sys.executable]
     else:
@@ -43,6 +41,13 @@ def foreign(tmp_path_factory):
         os.chmod(folder, 0o755)
 
 
+def _open(folder):
+    """Let others come as far as this: whether a place can be written is asked without any special rights."""
+    for place in (folder, *folder.parents):
+        if place == folder or place.name.startswith(("pytest-", "popen-")):
+            place.chmod(place.stat().st_mode | 0o055)
+
+
 def run(foreign, tmp_path, code, *words):
     """With a folder for temporary files as the only place that can be written. Nothing may be left there."""
     place, python = foreign
@@ -50,10 +55,7 @@ def run(foreign, tmp_path, code, *words):
     temporary.mkdir()
     temporary.chmod(0o777)
     home.mkdir(mode=0o555)
-    for folder in tmp_path.parents:
-        if folder.name.startswith("pytest-"):
-            folder.chmod(0o755)
-    tmp_path.chmod(0o755)
+    _open(tmp_path)
     env = {name: value for name, value in os.environ.items() if name not in OWN}
     env |= {"HOME": str(home), "TMPDIR": str(temporary), "PYTHONPATH": str(place)}
     done = subprocess.run([*python, "-c", code, *map(str, words)], env=env, cwd="/", capture_output=True, text=True,
