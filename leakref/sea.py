@@ -138,9 +138,9 @@ class SeaState:
         m = int(LARGEST_WAVENUMBER / dk)
         i, j = (index.ravel() for index in np.mgrid[-m : m + 1, -m : m + 1])
         k = dk * np.hypot(i, j)
-        inside = (k > 0) & (k <= LARGEST_WAVENUMBER)
-        i, j, k = i[inside], j[inside], k[inside]
         f = directional_spreading(np.degrees(np.arctan2(j, i)), self.direction, self.spread)
+        inside = (k > 0) & (k <= LARGEST_WAVENUMBER) & (f > 0)
+        i, j, k, f = i[inside], j[inside], k[inside], f[inside]
         energy = k**-1.5 * jonswap(intrinsic_frequency(k), self.peakedness) * f * dk**2
         i, j, k, energy = (values[energy > 0] for values in (i, j, k, energy))
         if not k.size:
