@@ -50,8 +50,8 @@ def extract(surface: npt.ArrayLike, spacing: tuple[float, float, float], wavenum
     time, `gravity` likewise (1 for scaled units). Raises LeakrefError.
     """
     eta = finite("extract", "surface", surface, 3)
-    return analyse(fourier(levelled(eta)[0], Grid(eta.shape, spacing), window), wavenumbers, gravity=gravity, method=method,
-                   **settings)
+    spectrum = fourier(levelled(eta)[0], Grid(eta.shape, spacing), window)
+    return analyse(spectrum, wavenumbers, gravity=gravity, method=method, **settings)
 
 
 def transform(components: Components, grid: Grid, windows: tuple[str, ...], *, route: str = "A",
