@@ -58,8 +58,8 @@ def install() -> None:
     os.set_blocking(writer, False)
     signal.set_wakeup_fd(writer, warn_on_full_buffer=False)  # written to at once, by whichever thread is interrupted
     for number in _SIGNALS:
-        if signal.getsignal(number) is not signal.SIG_IGN or number == signal.SIGTERM:  # under nohup it stays ignored
-            signal.signal(number, _interrupt)
+        if number in (signal.SIGINT, signal.SIGTERM) or signal.getsignal(number) is not signal.SIG_IGN:  # by nohup
+            signal.signal(number, _interrupt)  # a job in the background of a script is started to ignore Ctrl-C
     sys.unraisablehook = _unraisable
     threading.Thread(target=_watch, args=(reader,), daemon=True).start()
 
