@@ -8,7 +8,7 @@ import sys
 
 import jsonschema
 import pytest
-from test_commands import leakref as command
+from test_commands import here, leakref as command
 
 from leakref import LeakrefError
 from leakref.certify import commands
@@ -54,7 +54,7 @@ def project(tmp_path_factory):
     (("odd:Windows", "--only", "signs"), 3, "not judged"),
 ])
 def test_wrong_use_and_nothing_to_judge_are_told_apart(project, words, status, said):
-    done = command("certify", *words, cwd=project)
+    done = here("certify", *words, cwd=project)
     assert done.returncode == status, done.stderr + done.stdout
     text = done.stderr + done.stdout
     assert said in " ".join(text.split())

@@ -17,6 +17,7 @@ import distributed
 import pytest
 from distributed import KilledWorker
 from distributed.comm import CommClosedError
+from test_commands import here
 
 from leakref import ending, runs
 from leakref._base import LeakrefError, Trouble, refusal
@@ -229,7 +230,7 @@ def test_a_history_of_any_form_is_judged_or_not_and_never_breaks(field, action, 
     del record["digest"]
     record[field] = 7.5 if field == "measurements" else [{"an": "object"}]
     path.write_text(f"{first}\n{history._line(record | {'digest': digest(record)}).decode()}\n")
-    done = leakref("track", *action, "--history", path, "--json", cwd=tmp_path)
+    done = here("track", *action, "--history", path, "--json", cwd=tmp_path)
     assert done.returncode in (1, 3)
     assert "Traceback" not in done.stderr
     assert f"is no entry: its {field} is" in done.stderr or action == ["check"]
@@ -259,7 +260,7 @@ def test_every_command_is_tried_below():
 def test_no_command_that_fails_ends_with_the_version_and_0(words, tmp_path):
     (tmp_path / "file").touch()
     for given in (words, ["--version", *words]):
-        done = leakref(*given, cwd=tmp_path)
+        done = here(*given, cwd=tmp_path)
         assert done.returncode in (1, 2, 3)
         assert "leakref 0." not in done.stdout
     assert "--version goes without a command" in " ".join(done.stderr.split())
