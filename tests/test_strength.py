@@ -43,7 +43,7 @@ def test_a_fault_that_changes_nothing_is_reported_as_surviving(monkeypatch):
 
 def test_a_wrong_code_among_the_variants_is_reported_as_rejected(monkeypatch):
     monkeypatch.setattr(strength, "jobs", lambda *, full=False: [Job("variant", "si")])
-    monkeypatch.setattr(strength, "chosen", lambda **of: chosen(["signs", "recovery"], **of))
+    monkeypatch.setattr(strength, "chosen", lambda **of: chosen(["signs", "recovery.pair"], **of))
     wrong = lambda identifier: faults.implementation("flipped-x")  # noqa: E731
     record = strength.variant_record("si", make=wrong)
     assert {name.partition(".")[0] for name in record["wrong"]} >= {"signs", "recovery"}
