@@ -96,6 +96,14 @@ def running(folder):
     return found
 
 
+def settled(folder, count):
+    """Wait until there are so many of them: what forks takes its time."""
+    end = time.monotonic() + 60
+    while len(running(folder)) != count:
+        assert time.monotonic() < end
+        time.sleep(0.01)
+
+
 @pytest.fixture
 def session(left_behind, tmp_path):
     """The program as a context: with code of its own, and with what it does instead of answering well."""
@@ -191,10 +199,7 @@ def test_one_that_forks_and_ends_leaves_no_offspring(session, tmp_path):
              f"linger(session=True, orphan=True){goes_on}"]
     with session(*deeds, own=OFFSPRING) as subject:
         assert judged(subject, 3) == [*2 * [("error", "ended by itself, with exit status 0")], ("ok", "")]
-        end = time.monotonic() + 60
-        while len(running(tmp_path)) != 2:  # one is still waited for, beside the program: `left_behind` looks again
-            assert time.monotonic() < end  # what forks takes its time
-            time.sleep(0.01)
+        settled(tmp_path, 2)  # one is still waited for, beside the program: `left_behind` looks again
 
 
 LOST = "linger(session=True, orphan=True, bare=True)"  # forked twice, in a session and an environment of its own
@@ -205,7 +210,7 @@ linux = pytest.mark.skipif(sys.platform != "linux", reason="elsewhere an orphan 
 def test_an_orphan_without_a_trace_is_found(session, tmp_path):
     with session(f"{LOST}; say(good(request))", own=OFFSPRING) as subject:
         assert judged(subject) == [("ok", "")]
-        assert len(running(tmp_path)) == 2
+        settled(tmp_path, 2)
 
 
 @linux
