@@ -136,7 +136,7 @@ def test_same_on_any_grid(case):
 
 
 @pytest.mark.slow
-@hostile_cases(600)
+@hostile_cases(200)
 def test_same_on_many_grids(case):
     assert_same_or_same_refusal(case)
 
