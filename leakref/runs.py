@@ -143,9 +143,9 @@ def pool(workers: int) -> Iterator[Executor | None]:
 
 
 @contextmanager
-def _hushed(package: str) -> Iterator[None]:
-    """Without what a package logs: each of its loggers has a level of its own."""
-    loggers = [logging.getLogger(name) for name in logging.root.manager.loggerDict if name.split(".")[0] == package]
+def _hushed(*packages: str) -> Iterator[None]:
+    """Without what some packages log: each of their loggers has a level of its own."""
+    loggers = [logging.getLogger(name) for name in logging.root.manager.loggerDict if name.split(".")[0] in packages]
     spoke = [logger for logger in loggers if not logger.disabled]
     for logger in spoke:
         logger.disabled = True
@@ -170,7 +170,7 @@ def connected(address: str) -> Iterator[Executor]:
     except (OSError, ValueError, TimeoutError) as error:
         raise LeakrefError("connected", f"no scheduler answers at {address} ({error})",
                            "start one with `dask scheduler` and give its address, tcp://host:8786") from None
-    with _hushed("distributed"), client:  # what it would say is said below, once
+    with _hushed("distributed", "tornado", "asyncio"), client:  # what they would say is said below, once
         try:
             yield client.get_executor(pure=False)
         except (CancelledError, KilledWorker, CommClosedError) as error:
