@@ -57,7 +57,7 @@ def _remove(folder: str, maker: int) -> None:
 def _of_numba() -> bool:
     """Whether one of the places where numba looks can be written."""
     package = Path(__file__).parent
-    beside = all(_usable(folder / "__pycache__") for folder in (package, package / "certify"))
+    beside = all(_usable(folder / "__pycache__") for folder in (package / "fast", package / "certify" / "strength"))
     given = os.environ.get("NUMBA_CACHE_DIR")
     return beside or (bool(given) and _usable(Path(str(given)))) or _usable_at_home("XDG_CACHE_HOME", ".cache")
 

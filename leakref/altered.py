@@ -49,11 +49,15 @@ class _Altered(importlib.abc.MetaPathFinder, importlib.abc.Loader):
 
     def find_spec(self, fullname: str, path: Any = None, target: Any = None) -> importlib.machinery.ModuleSpec | None:
         if fullname == self.name or fullname.startswith(self.name + "."):
-            return importlib.util.spec_from_loader(fullname, self, is_package=fullname == self.name)
+            is_package = _file(self._room(fullname)).stem == "__init__"
+            return importlib.util.spec_from_loader(fullname, self, is_package=is_package)
         return None
 
+    def _room(self, fullname: str) -> str:
+        return fullname.removeprefix(self.name).lstrip(".") or "__init__"
+
     def exec_module(self, module: ModuleType) -> None:
-        room = module.__name__.removeprefix(self.name).lstrip(".") or "__init__"
+        room = self._room(module.__name__)
         source = _changed(room, [change for change in self.changes if change.room == room])
         own = re.sub(rf"^(\s*from )leakref(?!\.(?:{'|'.join(_SHARED)})\b)([. ])", rf"\1{self.name}\2", source,
                      flags=re.MULTILINE)
@@ -63,8 +67,14 @@ class _Altered(importlib.abc.MetaPathFinder, importlib.abc.Loader):
         exec(code, module.__dict__)
 
 
+def _file(room: str) -> Path:
+    """Where a room stands, a dotted name below the package."""
+    place = _ROOMS.joinpath(*room.split("."))
+    return place / "__init__.py" if place.is_dir() else place.with_suffix(".py")
+
+
 def _changed(room: str, changes: Sequence[Change]) -> str:
-    source = (_ROOMS / f"{room}.py").read_text(encoding="utf-8")
+    source = _file(room).read_text(encoding="utf-8")
     for change in changes:
         if (count := source.count(change.old)) != 1 or change.old == change.new:
             raise LeakrefError("altered", f"{change.old!r} occurs {count} times in {room}.py",
@@ -85,7 +95,7 @@ def _compiled() -> dict[str, set[str]]:
     """The compiled rooms, and for each whose changes reach it."""
     return {room: {module.partition(".")[2] for module in sources.reach(f"{_PACKAGE}.{room}")} - {*_SHARED}
             for room in _rooms("fast", "cases")
-            if any(name == "njit" for _, name in sources.imports((_ROOMS / f"{room}.py").read_text("utf-8"))[2])}
+            if any(name == "njit" for _, name in sources.imports(_file(room).read_text("utf-8"))[2])}
 
 
 @cache
@@ -105,5 +115,7 @@ def altered(changes: tuple[Change, ...], *, fast: bool = False) -> Any:
         if not rooms & needs:
             sys.modules[f"{name}.{room}"] = importlib.import_module(f"{_PACKAGE}.{room}")
     for room in _rooms("fast", "cases") if fast else _rooms("chain"):
-        setattr(package, room, importlib.import_module(f"{name}.{room}"))
+        module = importlib.import_module(f"{name}.{room}")
+        above, _, own = f"{name}.{room}".rpartition(".")
+        setattr(sys.modules[above], own, module)
     return package

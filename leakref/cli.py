@@ -114,7 +114,7 @@ def strength(
     json: Json = False,
 ) -> int:
     """What the checks catch: every fault planted, every correct variant passed, and what is rejected wrongly."""
-    from leakref.certify.strength import run
+    from leakref.certify.strength.study import run
 
     return run(full=full, out=out, workers=workers or os.cpu_count() or 1, json=json)
 
@@ -178,7 +178,7 @@ def extract(
     json: Json = False,
 ) -> bool:
     """The chain on your own cube: a Doppler shift velocity for each wavenumber, in the file's units."""
-    from leakref.userdata import extract as run
+    from leakref.cubes.commands import extract as run
 
     return run(file, window=window, method=method, wavenumbers=wavenumbers, screening=screen, rotate=rotate,
                spacing=spacing, axes=axes, gravity=gravity, detrend=detrend, out=out, json=json)
@@ -196,7 +196,7 @@ def export(
     json: Json = False,
 ) -> bool:
     """A cube of a paper case with its truth, for any code to try."""
-    from leakref.userdata import export as run
+    from leakref.cubes.commands import export as run
 
     return run(case, realization=realization, format=format, out=out, peak_wavenumber=peak_wavenumber, gravity=gravity,
                json=json)

@@ -16,9 +16,9 @@ from leakref._base import FloatArray
 from leakref._output import console, dump, envelope, folder, progress_bar, write_whole
 from leakref.cases import Configuration, configurations
 from leakref.certify.choice import chosen
-from leakref.certify.diagnosis import explained
-from leakref.certify.faults import FAULTS
-from leakref.certify.inprocess import InProcess
+from leakref.certify.strength.diagnosis import explained
+from leakref.certify.strength.faults import FAULTS
+from leakref.certify.subject.inprocess import InProcess
 from leakref.certify.judge import certify
 from leakref.certify.report import page as render
 from leakref.certify.targets import load

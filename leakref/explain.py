@@ -65,9 +65,9 @@ def _list(*, json: bool) -> bool:
 
 def _names() -> Iterator[str]:
     from leakref.certify.choice import chosen
-    from leakref.certify.faults import FAULTS
-    from leakref.certify.registry import FAMILIES
-    from leakref.certify.variants import VARIANTS
+    from leakref.certify.strength.faults import FAULTS
+    from leakref.certify.checks.registry import FAMILIES
+    from leakref.certify.strength.variants import VARIANTS
     from leakref.claims import CLAIMS
     from leakref.decisions import DECISIONS
 
@@ -94,14 +94,14 @@ def _check(identifier: str) -> Explanation | None:
 
 def _killed_by(check: str) -> list[str]:
     """Faults whose witness is this check."""
-    from leakref.certify.faults import FAULTS
+    from leakref.certify.strength.faults import FAULTS
 
     return [fault.id for fault in FAULTS.values() if fault.witness.partition("[")[0] == check]
 
 
 def _family(identifier: str) -> Explanation | None:
     from leakref.certify.choice import chosen
-    from leakref.certify.registry import FAMILIES
+    from leakref.certify.checks.registry import FAMILIES
 
     if identifier not in FAMILIES:
         return None
@@ -110,7 +110,7 @@ def _family(identifier: str) -> Explanation | None:
 
 
 def _fault(identifier: str) -> Explanation | None:
-    from leakref.certify.faults import FAULTS
+    from leakref.certify.strength.faults import FAULTS
 
     fault = FAULTS.get(identifier.removeprefix("fault:"))
     if fault is None:
@@ -122,7 +122,7 @@ def _fault(identifier: str) -> Explanation | None:
 
 
 def _variant(identifier: str) -> Explanation | None:
-    from leakref.certify.variants import VARIANTS
+    from leakref.certify.strength.variants import VARIANTS
 
     variant = VARIANTS.get(identifier.removeprefix("variant:"))
     if variant is None:

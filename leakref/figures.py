@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from leakref._base import FloatArray
 from leakref._output import write_whole
 from leakref.cases import Configuration
-from leakref.screen import Screening
+from leakref.cubes.screen import Screening
 from leakref.shell import Extraction
 
 __all__ = ["COLOURS", "METHOD_WORDS", "WINDOW_WORDS", "Result", "extraction_figure", "figure", "result_figure",

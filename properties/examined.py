@@ -13,11 +13,11 @@ from hypothesis import reject
 
 from leakref import chain
 from leakref._base import FloatArray
-from leakref.certify.cubes import Cube
-from leakref.certify.expected import unflagged
-from leakref.certify.inprocess import InProcess
-from leakref.certify.judging import FRACTION, vector
-from leakref.certify.subject import Subject
+from leakref.certify.checks.inputs import Cube
+from leakref.certify.checks.expected import unflagged
+from leakref.certify.subject.inprocess import InProcess
+from leakref.certify.checks.criteria import FRACTION, vector
+from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Unanswered, Verdict
 
 __all__ = ["PRECISION", "SINGLE", "Examined", "same"]

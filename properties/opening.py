@@ -16,8 +16,8 @@ __all__ = ["examined", "opened"]
 def examined(target: str) -> Examined:
     """A Python object by its name (`targets.load`). A fault of the reference has its inside too."""
     from leakref.altered import altered
-    from leakref.certify.faults import FAULTS
-    from leakref.certify.inprocess import InProcess
+    from leakref.certify.strength.faults import FAULTS
+    from leakref.certify.subject.inprocess import InProcess
     from leakref.certify.targets import load
 
     if target == "reference":

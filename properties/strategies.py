@@ -17,7 +17,7 @@ from hypothesis import HealthCheck, Phase, assume, settings, strategies as st
 
 import leakref
 from leakref import Components, Grid, SeaState, UniformCurrent, aligned_waves
-from leakref.certify.cubes import Cube, polar
+from leakref.certify.checks.inputs import Cube, polar
 from leakref.dispersion import intrinsic_frequency
 from leakref.window import WINDOWS
 

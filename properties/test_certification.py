@@ -6,7 +6,7 @@ import pytest
 
 from leakref.certify.choice import chosen
 from leakref.certify.pytesting import settle
-from leakref.certify.registry import Case, Check
+from leakref.certify.checks.registry import Case, Check
 from leakref.plugin import ASKED
 from .examined import Examined
 

@@ -8,8 +8,8 @@ from hypothesis import given, strategies as st
 
 from leakref import Grid, SeaState, UniformCurrent
 from leakref._base import FloatArray
-from leakref.certify.cubes import Cube, polar
-from leakref.certify.statistics import excess
+from leakref.certify.checks.inputs import Cube, polar
+from leakref.certify.checks.statistics import excess
 from .examined import Examined
 from .strategies import examples
 

@@ -8,7 +8,7 @@ import numpy as np
 from hypothesis import assume, example, given, strategies as st
 
 from leakref import Grid
-from leakref.certify.cubes import Cube
+from leakref.certify.checks.inputs import Cube
 from .examined import Examined, same
 from .strategies import currents, examples, seas
 

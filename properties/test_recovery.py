@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 
-from leakref.certify.cubes import Cube
-from leakref.certify.expected import score
-from leakref.certify.judging import EXACT, FLATTER, exactly, vector
+from leakref.certify.checks.inputs import Cube
+from leakref.certify.checks.expected import score
+from leakref.certify.checks.criteria import EXACT, FLATTER, exactly, vector
 from .examined import PRECISION, Examined
 from .strategies import examples, pairs, singles
 

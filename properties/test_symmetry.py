@@ -9,7 +9,7 @@ import numpy as np
 from hypothesis import given, strategies as st
 
 from leakref._base import FloatArray
-from leakref.certify.cubes import Cube
+from leakref.certify.checks.inputs import Cube
 from .examined import Examined, same
 from .strategies import examples, seas
 

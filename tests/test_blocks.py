@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from leakref import Grid, LeakrefError, fourier
-from leakref.blocks import fourier_in_blocks, plane, trend
+from leakref.cubes.blocks import fourier_in_blocks, plane, trend
 
 GRID = Grid((12, 17, 22), (0.9, 0.6, 0.35))
 ORDERS = [(0, 1, 2), (1, 0, 2), (2, 1, 0), (1, 2, 0), (0, 2, 1)]

@@ -78,7 +78,7 @@ import subprocess, sys
 from leakref import _caches
 if sys.argv[1:]:
     _caches.prepare()
-import leakref.fastscore, leakref.certify.variants, matplotlib, os
+import leakref.fast.score, leakref.certify.strength.variants, matplotlib, os
 print(os.environ["NUMBA_CACHE_DIR"], matplotlib.get_configdir(), matplotlib.get_cachedir(), flush=True)
 assert leakref.__file__.startswith(os.environ["PYTHONPATH"])
 if sys.argv[1:]:
@@ -94,7 +94,7 @@ if sys.argv[1:]:
 def test_where_there_is_no_place_at_all_it_is_compiled_without_one(foreign, tmp_path):
     code = ("import tempfile\ndef full(*a, **k): raise OSError(28, 'full')\ntempfile.mkdtemp = full\n"
             "from leakref._caches import njit\nimport os\n"
-            "from leakref import fastscore\nprint('NUMBA_CACHE_DIR' in os.environ, fastscore.POOL)")
+            "from leakref.fast import score\nprint('NUMBA_CACHE_DIR' in os.environ, score.POOL)")
     done = run(foreign, tmp_path, code)
     assert (done.returncode, done.stdout, done.stderr) == (0, "False 8\n", "")
 

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from leakref import Components, Grid, LeakrefError
-from leakref.certify import cubes, judging, registry
+from leakref.certify.checks import criteria, inputs, registry
 from leakref.certify.checks.signs import image
 from leakref.certify.choice import chosen, run_check
-from leakref.certify.cubes import SEA, SHELLS, pair, sea
-from leakref.certify.expected import expected, score, unflagged
-from leakref.certify.inprocess import InProcess
-from leakref.certify.registry import CHECKS, FAMILIES, Outcome
-from leakref.certify.statistics import FALSE_ALARMS, TESTS, excess, share
+from leakref.certify.checks.inputs import SEA, SHELLS, pair, sea
+from leakref.certify.checks.expected import expected, score, unflagged
+from leakref.certify.subject.inprocess import InProcess
+from leakref.certify.checks.registry import CHECKS, FAMILIES, Outcome
+from leakref.certify.checks.statistics import FALSE_ALARMS, TESTS, excess, share
 from leakref.certify.verdict import Unanswered, Verdict
 from leakref.chain import Reference, extract, reference
 from leakref.dispersion import UniformCurrent
@@ -386,7 +386,7 @@ def test_cubes_are_small_uneven_and_below_nyquist(shown):
 
 def test_the_same_bits_every_time():
     first = sea(30.0, 60.0, UniformCurrent((0.1, 0.0)), realization=4)
-    cubes._sea.cache_clear()
+    inputs._sea.cache_clear()
     again = sea(30.0, 60.0, UniformCurrent((0.1, 0.0)), realization=4)
     assert again is not first
     assert np.array_equal(again.surface, first.surface)
@@ -406,7 +406,7 @@ def test_what_is_expected_is_what_the_plain_chain_says():
 
 
 def test_a_pair_has_the_current_it_says():
-    cube = pair(cubes.EVEN, (5, 3), (-2, 5), (0.1, 0.2))
+    cube = pair(inputs.EVEN, (5, 3), (-2, 5), (0.1, 0.2))
     w = cube.components
     np.testing.assert_allclose(np.sqrt(np.hypot(w.kx, w.ky)) + np.stack([w.kx, w.ky], 1) @ cube.truth[0], w.omega,
                                rtol=1e-14)
@@ -419,7 +419,7 @@ def test_exact_answers_may_be_off_by_a_little_or_by_nothing_in_score(subject):
     step = np.array([1.0, 0.0])
 
     def over(method, size):
-        return judging.exactly(subject, cube, "hann", method, best + size * step, best)
+        return criteria.exactly(subject, cube, "hann", method, best + size * step, best)
 
     np.testing.assert_allclose(over("ls", 2.1e-4), 1.05, rtol=1e-9)
     assert over("nsp", 2.1e-4).max() < 1  # more than is allowed by argument, less by score
@@ -428,11 +428,11 @@ def test_exact_answers_may_be_off_by_a_little_or_by_nothing_in_score(subject):
 
 
 def test_the_worst_of_several_methods_is_told():
-    worst = judging.worst({"nsp": Outcome(0.2, "good", 12.0), "ls": Outcome(3.0, "bad", 3.0)})
+    worst = criteria.worst({"nsp": Outcome(0.2, "good", 12.0), "ls": Outcome(3.0, "bad", 3.0)})
     assert (worst.over, worst.message, worst.digits) == (3.0, "ls: bad", 3.0)
-    assert np.isnan(judging.worst({"nsp": Outcome(np.nan, ""), "ls": Outcome(3.0, "")}).over)
+    assert np.isnan(criteria.worst({"nsp": Outcome(np.nan, ""), "ls": Outcome(3.0, "")}).over)
     with pytest.raises(Unanswered, match="no answer that can be judged"):
-        judging.verdict(np.full(4, np.nan), sea(0.0, 360.0), np.zeros((4, 2)), np.zeros((4, 2)))
+        criteria.verdict(np.full(4, np.nan), sea(0.0, 360.0), np.zeros((4, 2)), np.zeros((4, 2)))
 
 
 # ---------------------------------------------------------------- statistics
@@ -504,7 +504,7 @@ class Square(Reference):
 def test_a_code_for_square_pixels_is_shown_square_pixels(family):
     found = [c(InProcess(Square()), case) for c, case in chosen([family], profile="quick")]
     assert {f.verdict for f in found} == {Verdict.PASS}, [(f.id, f.message) for f in found]
-    assert cubes.sampling(SEA) is SEA
+    assert inputs.sampling(SEA) is SEA
 
 
 def test_golden_cubes_whose_pixels_are_not_square_are_not_for_it():

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from leakref.altered import altered
-from leakref.certify import faults, strength
+from leakref.certify.strength import faults, study
 from leakref.certify.certificate import Certificate
 from leakref.certify.choice import chosen, judged
-from leakref.certify.diagnosis import ENOUGH, departure, diagnose, explained
-from leakref.certify.faults import FAULTS, implementation
-from leakref.certify.inprocess import InProcess
+from leakref.certify.strength.diagnosis import ENOUGH, departure, diagnose, explained
+from leakref.certify.strength.faults import FAULTS, implementation
+from leakref.certify.subject.inprocess import InProcess
 from leakref.chain import reference
 
 SOME = ("signs.aligned", "recovery.pair[even-1]", "recovery.pair[odd-2]", "conformance.window", "conformance.surface",
@@ -218,8 +218,8 @@ def certificates():
     for name in FAULTS:
         failed, declared, findings = wrong(implementation(name), *witnesses)
         found[name] = failed, declared
-        records.append({"id": name, "over": {f.id: strength._over(f) for f in findings}})
-    return found, strength.classes(records)
+        records.append({"id": name, "over": {f.id: study._over(f) for f in findings}})
+    return found, study.classes(records)
 
 
 @pytest.mark.slow

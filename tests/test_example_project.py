@@ -16,7 +16,7 @@ import yaml
 
 from leakref.certify import scaffold
 from leakref.certify.choice import chosen
-from leakref.certify.inprocess import InProcess
+from leakref.certify.subject.inprocess import InProcess
 from leakref.certify.verdict import Verdict
 
 ROOT = Path(__file__).parent.parent

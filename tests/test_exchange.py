@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 import scipy.io
 
-from leakref.certify.exchange import Exchange
+from leakref.certify.subject.exchange import Exchange
 from leakref.certify.verdict import Unanswered
 
 FORMATS = ("npz", "mat", "raw")

@@ -14,7 +14,8 @@ import pytest
 import xarray
 from typer.testing import CliRunner
 
-from leakref import Components, Grid, LeakrefError, Scales, SeaState, UniformCurrent, chain, files, synthesize, userdata
+from leakref import Components, Grid, LeakrefError, Scales, SeaState, UniformCurrent, chain, synthesize
+from leakref.cubes import commands, files
 from leakref.cases import configurations
 from leakref.cli import app
 from leakref.dispersion import velocity_resolutions
@@ -143,21 +144,21 @@ def test_the_current_is_found_where_there_is_signal(sea):
 
 
 def test_wavenumbers_as_list_and_as_range():
-    assert userdata.parse_wavenumbers("0.4,0.5").tolist() == [0.4, 0.5]
-    np.testing.assert_allclose(userdata.parse_wavenumbers("0.4:3.5:0.1"), np.linspace(0.4, 3.5, 32), rtol=1e-14)
-    assert userdata.parse_wavenumbers("2:2:1").tolist() == [2]
+    assert commands.parse_wavenumbers("0.4,0.5").tolist() == [0.4, 0.5]
+    np.testing.assert_allclose(commands.parse_wavenumbers("0.4:3.5:0.1"), np.linspace(0.4, 3.5, 32), rtol=1e-14)
+    assert commands.parse_wavenumbers("2:2:1").tolist() == [2]
     for bad in ("", "a", "1,,2", "1:2", "2:1:0.1", "1:2:0", "1:2:-1", "nan", "1:2:1e-9", "1:2:3:4"):
         with pytest.raises(LeakrefError, match="--wavenumbers"):
-            userdata.parse_wavenumbers(bad)
+            commands.parse_wavenumbers(bad)
 
 
 def test_default_wavenumbers_fill_what_is_whole():
     dk = GRID.wavenumber_resolution
-    k = userdata.default_wavenumbers(GRID)
+    k = commands.default_wavenumbers(GRID)
     assert k[0] == 4 * dk
     assert k[-1] + 2 * dk < np.pi / 0.6 <= k[-1] + 3 * dk
     with pytest.raises(LeakrefError, match="no whole shell"):
-        userdata.default_wavenumbers(Grid((8, 8, 8), (1, 1, 1)))
+        commands.default_wavenumbers(Grid((8, 8, 8), (1, 1, 1)))
 
 
 def test_npy_in_any_order_with_spacing(sea, tmp_path):
@@ -180,14 +181,14 @@ def test_a_mapped_cube_in_blocks_gives_the_same(sea, tmp_path, monkeypatch):
     words = ("extract", tmp_path / "cube.npy", "--spacing", ",".join(map(repr, GRID.spacing)), "--gravity", 1,
              "--detrend", "linear")
     whole = answer(*words, "--wavenumbers", "1.2:2:0.4")
-    monkeypatch.setattr(userdata, "IN_MEMORY", 10**5)
-    monkeypatch.setattr(userdata.blocks, "_BLOCK", 10**5)
-    monkeypatch.setattr(userdata, "fourier", None)  # not to be used
+    monkeypatch.setattr(commands, "IN_MEMORY", 10**5)
+    monkeypatch.setattr(commands.blocks, "_BLOCK", 10**5)
+    monkeypatch.setattr(commands, "fourier", None)  # not to be used
     parts = answer(*words, "--wavenumbers", "1.2:2:0.4")
     assert any("in blocks" in note for note in parts["notes"])
     np.testing.assert_allclose(parts["doppler_shift_velocities"], whole["doppler_shift_velocities"], rtol=0, atol=1e-11)
     by_default = answer(*words)["wavenumbers"]
-    monkeypatch.setattr(userdata, "KEPT", 10**6)  # what memory allows now is less than what there is
+    monkeypatch.setattr(commands, "KEPT", 10**6)  # what memory allows now is less than what there is
     fewer = answer(*words)["wavenumbers"]
     assert 0 < len(fewer) < len(by_default)
     assert "too large" in run(*words, "--screen", "--rotate", 20, status=2).stderr
@@ -292,7 +293,7 @@ def test_samples_that_are_not_finite_in_a_mapped_file(tmp_path, monkeypatch):
     np.save(tmp_path / "a.npy", surface)
     words = ("extract", tmp_path / "a.npy", "--spacing", "1,1,1", "--gravity", 1, "--wavenumbers", "1")
     for limit in (2**30, 10**5):
-        monkeypatch.setattr(userdata, "IN_MEMORY", limit)
+        monkeypatch.setattr(commands, "IN_MEMORY", limit)
         refused = run(*words, status=2).stderr
         assert "a.npy" in refused
         assert "not finite" in refused

@@ -12,7 +12,8 @@ from hypothesis import given, settings, strategies as st
 from typer.testing import CliRunner
 
 import leakref
-from leakref import Grid, LeakrefError, SeaState, UniformCurrent, blocks, chain, files
+from leakref import Grid, LeakrefError, SeaState, UniformCurrent, chain
+from leakref.cubes import blocks, files
 from leakref.cli import app
 
 GRID = Grid((20, 22, 32), (0.8, 0.75, 0.9))

@@ -10,7 +10,7 @@ from conftest import RECTANGULAR, waves_off_bins
 from leakref import Components, Grid, LeakrefError, SeaState, UniformCurrent, aligned_waves, leakage
 from leakref.chain import METHODS, analyse, shell_wavenumbers
 from leakref.fast import realize
-from leakref.fastspectra import Disc, magnitudes
+from leakref.fast.spectra import Disc, magnitudes
 from leakref.shell import Note, shell_at
 from leakref.window import WINDOWS
 

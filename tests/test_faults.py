@@ -5,12 +5,12 @@ import pytest
 
 from leakref import LeakrefError
 from leakref.altered import Change
-from leakref.certify import faults
+from leakref.certify.strength import faults
 from leakref.certify.choice import chosen
-from leakref.certify.faults import FAULTS, Fault, implementation
-from leakref.certify.inprocess import InProcess
-from leakref.certify.registry import FAMILIES
-from leakref.certify.strength import DISTINCT, _over, fault_record
+from leakref.certify.strength.faults import FAULTS, Fault, implementation
+from leakref.certify.subject.inprocess import InProcess
+from leakref.certify.checks.registry import FAMILIES
+from leakref.certify.strength.study import DISTINCT, _over, fault_record
 from leakref.chain import reference
 from leakref.golden import Golden
 

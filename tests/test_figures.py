@@ -30,7 +30,7 @@ from leakref.paper.illustrations import ILLUSTRATIONS
 from leakref.paper.shearfigure import shear_figure
 from leakref.planning.figures import plan_figure, sweep_figure
 from leakref.planning.plan import Plan
-from leakref.screen import screen
+from leakref.cubes.screen import screen
 from leakref.track import history
 from leakref.track.page import curves_figure, levels_figure, versions
 

@@ -18,7 +18,8 @@ import pytest
 import xarray
 from scipy.io import loadmat, savemat
 
-from leakref import Components, Grid, LeakrefError, files
+from leakref import Components, Grid, LeakrefError
+from leakref.cubes import files
 from leakref.cases import Configuration
 from leakref.dispersion import Scales
 

@@ -14,7 +14,7 @@ import pytest
 
 import leakref
 from leakref._base import Damaged
-from leakref.certify import strength
+from leakref.certify.strength import study
 from leakref.claims import stored
 from leakref.golden import Golden, beside, commands
 from leakref.track import commands as track
@@ -203,9 +203,9 @@ def test_what_writes_a_file_writes_its_digest_in_the_same_step(copy):
 
 def test_a_study_and_a_history_are_noted_too(copy, monkeypatch):
     """What writes them asks for it: `strength --out`, `track record --history`."""
-    monkeypatch.setattr(strength, "study", lambda **_: {"full": False, "faults": [], "variants": [], "problems": []})
-    monkeypatch.setattr(strength, "jobs", lambda **_: [])
-    assert strength.run(out=copy, workers=1, json=True) == 0
+    monkeypatch.setattr(study, "study", lambda **_: {"full": False, "faults": [], "variants": [], "problems": []})
+    monkeypatch.setattr(study, "jobs", lambda **_: [])
+    assert study.run(out=copy, workers=1, json=True) == 0
     assert '"faults": []' in (copy / "strength.json").read_text(encoding="utf-8")
     assert not failures(copy)
     path = copy / "history.jsonl"

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from tools import requires
 
-from leakref import files
+from leakref.cubes import files
 from leakref.cases import Configuration
 from leakref.dispersion import Scales
 from leakref.golden import Golden, locate

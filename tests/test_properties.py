@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 from faulted import outcome, properties
 
-from leakref.certify.faults import FAULTS
-from leakref.certify.variants import VARIANTS
+from leakref.certify.strength.faults import FAULTS
+from leakref.certify.strength.variants import VARIANTS
 from leakref.properties.examined import Examined
 from leakref.properties.opening import examined
 

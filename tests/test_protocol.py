@@ -19,10 +19,10 @@ import psutil
 import pytest
 
 from leakref import LeakrefError
-from leakref.certify import child, memory
+from leakref.certify.subject import child, memory
 from leakref.certify.connect import HarnessBroken, Limits, connect
-from leakref.certify.declaration import Declaration
-from leakref.certify.process import ProcessSubject
+from leakref.certify.subject.declaration import Declaration
+from leakref.certify.subject.protocol import ProcessSubject
 from leakref.certify.verdict import Unanswered
 
 OFTEN = "import json, os, signal, subprocess, sys, time\n"
@@ -230,7 +230,7 @@ def test_what_a_program_does_to_its_guardian_is_its_own_end(session, tmp_path):
 def test_a_process_that_is_killed_leaves_no_program(session, tmp_path, number):
     program = session(f"{LOST}; open(HERE + '/asked', 'w').close(); time.sleep(600)", own=OFFSPRING)
     ours = tmp_path / "ours.py"
-    ours.write_text("import numpy as np\nfrom leakref.certify.process import ProcessSubject\n"
+    ours.write_text("import numpy as np\nfrom leakref.certify.subject.protocol import ProcessSubject\n"
                     f"with ProcessSubject({program.command!r}) as subject:\n"
                     "    while True: subject.extract(np.ones((4, 4, 4)), (1, 1, 1), [1.0], window='box')\n")
     with subprocess.Popen([sys.executable, str(ours)], env={**os.environ, "TMPDIR": str(tmp_path)}) as process:
@@ -597,7 +597,8 @@ def test_nothing_is_left_when_we_are_interrupted(session, tmp_path):
     session("linger(session=True); open(HERE + '/asked', 'w').close(); time.sleep(600)", own=OFFSPRING)
     ours = tmp_path / "ours.py"
     ours.write_text(
-        "import signal, sys, tempfile\nimport numpy as np\nfrom leakref.certify.process import ProcessSubject\n"
+        "import signal, sys, tempfile\nimport numpy as np\n"
+        "from leakref.certify.subject.protocol import ProcessSubject\n"
         "signal.signal(signal.SIGINT, signal.default_int_handler)  # a job in the background is started to ignore it\n"
         f"tempfile.tempdir = {tempfile.tempdir!r}\n"
         f"with ProcessSubject([sys.executable, '-S', {str(tmp_path / 'program.py')!r}]) as subject:\n"

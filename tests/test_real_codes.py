@@ -14,7 +14,7 @@ from tools import iwave_python, requires
 
 from leakref.certify.choice import chosen
 from leakref.certify.connect import connect
-from leakref.certify.diagnosis import explained
+from leakref.certify.strength.diagnosis import explained
 from leakref.certify.judge import certify
 
 HERE = Path(__file__).parent / "real_codes"

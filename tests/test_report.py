@@ -12,7 +12,7 @@ import pytest
 from leakref.certify.bias import SEAS, bias, figure
 from leakref.certify.certificate import Certificate, Known
 from leakref.certify.choice import chosen
-from leakref.certify.inprocess import InProcess
+from leakref.certify.subject.inprocess import InProcess
 from leakref.certify.report import badge, page
 from leakref.certify.verdict import Finding, Verdict
 from leakref.chain import reference

@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from leakref import Components, Grid, LeakrefError, SeaState, UniformCurrent, files, fourier, leakage, synthesize
+from leakref import Components, Grid, LeakrefError, SeaState, UniformCurrent, fourier, leakage, synthesize
+from leakref.cubes import files
 from leakref.cases import configurations
 from leakref.cli import app
 from leakref.dispersion import velocity_resolutions
-from leakref.screen import (FINE, LEAKAGE, LEAKED_SHARE, NO_SIGNAL, leaked_share, rotate, screen, shells_with_signal,
-                            turned)
+from leakref.cubes.screen import (FINE, LEAKAGE, LEAKED_SHARE, NO_SIGNAL, leaked_share, rotate, screen,
+                                  shells_with_signal, turned)
 
 NARROW, BROAD = "theta0-dtheta/direction=60,spread=15", "theta0-dtheta/direction=90,spread=60"
 SMALL = (Grid((40, 44, 48), (0.8, 0.75, 1.3)), Grid((45, 52, 60), (0.95, 0.8, 0.9)), Grid((63, 50, 44), (0.6, 0.75, 1)))

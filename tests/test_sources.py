@@ -12,7 +12,7 @@ import pytest
 
 import leakref
 from leakref import altered, runs, sources
-from leakref.certify import strength
+from leakref.certify.strength import study
 from leakref.claims import evidence, shifts
 from leakref.golden import making
 
@@ -20,11 +20,11 @@ from test_architecture import EVERY, mentioned
 
 HOUSE = Path(leakref.__file__).parent
 PROJECT = HOUSE.parent
-ENTRIES = ("leakref.runs", "leakref.claims.evidence", "leakref.claims.shifts", "leakref.certify.strength",
+ENTRIES = ("leakref.runs", "leakref.claims.evidence", "leakref.claims.shifts", "leakref.certify.strength.study",
            "leakref.golden.making")
 CHAIN = {"leakref", *(f"leakref.{name}" for name in (
     "_base", "grid", "dispersion", "sea", "synthesis", "window", "spectrum", "leakage", "shell", "nsp", "leastsquares",
-    "chain", "cases", "ensemble", "fast", "fastspectra", "fastscore"))}
+    "chain", "cases", "ensemble", "fast", "fast.spectra", "fast.score"))}
 """Between a case of the paper and its velocities: known apart from what any code derives."""
 NEVER = {"leakref.cli", "leakref.figures", "leakref.paper.figures", "leakref.explain", "leakref.demo", "leakref.plugin",
          "leakref.track.page", "leakref.certify.commands", "leakref.claims.pictures", "leakref.golden.commands"}
@@ -66,8 +66,8 @@ def test_a_change_of_a_module_changes_the_digests_of_what_it_computes_and_no_oth
         assert changed[entry] >= CHAIN, CHAIN - changed[entry]
         assert not changed[entry] & NEVER
         assert changed[entry] - {"leakref"} == walked(entry) | changed[entry] & CHECKS
-    assert changed["leakref.certify.strength"] >= CHECKS  # which are imported by name at run time
-    assert not any(changed[entry] & CHECKS for entry in ENTRIES if entry != "leakref.certify.strength")
+    assert changed["leakref.certify.strength.study"] >= CHECKS  # which are imported by name at run time
+    assert not any(changed[entry] & CHECKS for entry in ENTRIES if entry != "leakref.certify.strength.study")
 
 
 CHECKS = {name for name in EVERY if name.startswith("leakref.certify.checks.")} - {"leakref.certify.checks.conformance"}
@@ -78,8 +78,8 @@ def test_stored_results_are_named_by_those_digests(monkeypatch):
     digests = (runs.source_digest, evidence.source_digest, shifts._source_digest, making._source_digest)
     for entry, digest in zip(ENTRIES[:3] + ENTRIES[4:], digests, strict=True):
         assert digest.__wrapped__() == sources.digest(entry)
-    manifest = strength.locate().joinpath("manifest.json").read_bytes()
-    assert strength.source_digest.__wrapped__() == sources.digest(ENTRIES[3], more=manifest)
+    manifest = study.locate().joinpath("manifest.json").read_bytes()
+    assert study.source_digest.__wrapped__() == sources.digest(ENTRIES[3], more=manifest)
     assert sources.digest(ENTRIES[3], more=manifest + b" ") != sources.digest(ENTRIES[3], more=manifest)
 
 
@@ -132,10 +132,10 @@ def test_reach_follows_definitions_and_not_annotations(small):
 
 def test_compiled_rooms_are_shared_unless_a_change_reaches_them():
     compiled = altered._compiled()
-    assert set(compiled) == {"fastspectra", "fastscore"}
-    assert compiled["fastscore"] == {"fastscore"}
-    assert compiled["fastspectra"] >= {"fastspectra", "leakage", "spectrum", "window"}
-    assert not compiled["fastspectra"] & {"sea", "cases", "nsp"}
+    assert set(compiled) == {"fast.spectra", "fast.score"}
+    assert compiled["fast.score"] == {"fast.score"}
+    assert compiled["fast.spectra"] >= {"fast.spectra", "leakage", "spectrum", "window"}
+    assert not compiled["fast.spectra"] & {"sea", "cases", "nsp"}
     assert {f"leakref.{name}" for name in altered._rooms("fast", "cases")} == CHAIN - {
         "leakref", "leakref._base", "leakref.ensemble"}
 
@@ -144,7 +144,7 @@ def test_compiled_code_takes_nothing_from_another_module():
     """Numba keeps it by the file that it is in: what it took from another would stay as it was when that changes."""
     functions = 0
     for room in altered._compiled():
-        text = (HOUSE / f"{room}.py").read_text(encoding="utf-8")
+        text = altered._file(room).read_text(encoding="utf-8")
         named = sources.imports(text)[0]
         for node in ast.parse(text).body:
             if isinstance(node, ast.FunctionDef) and node.decorator_list:
@@ -165,5 +165,5 @@ def test_the_wheel_has_every_package_of_the_tree():
 
 def test_reading_the_sources_runs_none_of_them(scratch):
     known = set(sys.modules)
-    sources.closure("leakref.certify.strength", root=scratch)
+    sources.closure("leakref.certify.strength.study", root=scratch)
     assert set(sys.modules) == known

@@ -8,14 +8,15 @@ import pytest
 from scipy.stats import binomtest
 
 from leakref.altered import Change
-from leakref.certify import cubes, faults, strength
+from leakref.certify.checks import inputs
+from leakref.certify.strength import faults, study
 from leakref.certify.choice import chosen
-from leakref.certify.faults import FAULTS, Fault
-from leakref.certify.inprocess import InProcess
-from leakref.certify.registry import CHECKS, FAMILIES
-from leakref.certify.statistics import excess, share
-from leakref.certify.strength import Job, classes, compute, false_alarms, fault_record, fresh, problems, study
-from leakref.certify.variants import VARIANTS
+from leakref.certify.strength.faults import FAULTS, Fault
+from leakref.certify.subject.inprocess import InProcess
+from leakref.certify.checks.registry import CHECKS, FAMILIES
+from leakref.certify.checks.statistics import excess, share
+from leakref.certify.strength.study import Job, classes, compute, false_alarms, fault_record, fresh, problems
+from leakref.certify.strength.variants import VARIANTS
 from leakref.chain import reference
 
 FEW = (Job("fault", "two-thirds-energy"), Job("fault", "nan-as-number"))
@@ -24,7 +25,7 @@ FEW = (Job("fault", "two-thirds-energy"), Job("fault", "nan-as-number"))
 @pytest.fixture
 def few(monkeypatch):
     """A study of two quick faults and nothing else."""
-    monkeypatch.setattr(strength, "jobs", lambda *, full=False: list(FEW))
+    monkeypatch.setattr(study, "jobs", lambda *, full=False: list(FEW))
 
 
 def test_a_fault_that_changes_nothing_is_reported_as_surviving(monkeypatch):
@@ -35,20 +36,20 @@ def test_a_fault_that_changes_nothing_is_reported_as_surviving(monkeypatch):
     assert record["killed_by"] is None
     assert record["effect_over_tolerance"] <= 1
     assert set(record["over"]) == {f"{c.id}[{case.id}]" for c, case in chosen(["synthesis"])}
-    monkeypatch.setattr(strength, "jobs", lambda *, full=False: [Job("fault", "idle")])
-    found = study()
+    monkeypatch.setattr(study, "jobs", lambda *, full=False: [Job("fault", "idle")])
+    found = study.study()
     assert [r["killed_by"] for r in found["faults"]] == [None]
     assert found["problems"] == ["the fault idle survives the checks of synthesis"]
 
 
 def test_a_wrong_code_among_the_variants_is_reported_as_rejected(monkeypatch):
-    monkeypatch.setattr(strength, "jobs", lambda *, full=False: [Job("variant", "si")])
-    monkeypatch.setattr(strength, "chosen", lambda **of: chosen(["signs", "recovery.pair"], **of))
+    monkeypatch.setattr(study, "jobs", lambda *, full=False: [Job("variant", "si")])
+    monkeypatch.setattr(study, "chosen", lambda **of: chosen(["signs", "recovery.pair"], **of))
     wrong = lambda identifier: faults.implementation("flipped-x")  # noqa: E731
-    record = strength.variant_record("si", make=wrong)
+    record = study.variant_record("si", make=wrong)
     assert {name.partition(".")[0] for name in record["wrong"]} >= {"signs", "recovery"}
-    monkeypatch.setattr(strength, "compute", lambda job: record)
-    found = study()
+    monkeypatch.setattr(study, "compute", lambda job: record)
+    found = study.study()
     assert found["variants"][0]["rejected"] == found["variants"][0]["runs"] == 1
     assert found["problems"][0].startswith("the variant si was rejected 1 times in 1 runs, by ")
 
@@ -67,72 +68,72 @@ def test_too_small_an_effect_and_a_sound_fault_rejected_are_problems():
 @pytest.mark.parametrize("family", FAMILIES)
 def test_a_family_switched_off_lets_the_faults_meant_for_it_live(family, monkeypatch):
     fault = next(fault for fault in FAULTS.values() if fault.family == family)
-    monkeypatch.setattr(strength, "chosen", lambda **of: [p for p in chosen(**of) if p[0].family != family])
+    monkeypatch.setattr(study, "chosen", lambda **of: [p for p in chosen(**of) if p[0].family != family])
     record = fault_record(fault)
     assert record["killed_by"] is None
-    said = problems({"faults": [{**record, "kills": strength._kills(record)}], "variants": []})
+    said = problems({"faults": [{**record, "kills": study._kills(record)}], "variants": []})
     assert said == [f"the fault {fault.id} survives the checks of {family}"]
 
 
 def test_the_study_goes_on_where_it_stopped(few, tmp_path, monkeypatch):
-    first = study(work=tmp_path)
+    first = study.study(work=tmp_path)
     stored = sorted(path.name for path in tmp_path.rglob("*.json"))
     assert stored == ["fault-nan-as-number.json", "fault-two-thirds-energy.json"]
-    monkeypatch.setattr(strength, "compute", lambda job: pytest.fail("computed again"))
-    assert study(work=tmp_path) == first
+    monkeypatch.setattr(study, "compute", lambda job: pytest.fail("computed again"))
+    assert study.study(work=tmp_path) == first
     whole = next(tmp_path.rglob("fault-nan*.json"))
     whole.write_text(whole.read_text(encoding="utf-8")[:-20], encoding="utf-8")  # torn
-    monkeypatch.setattr(strength, "compute", compute)
-    assert study(work=tmp_path) == first
+    monkeypatch.setattr(study, "compute", compute)
+    assert study.study(work=tmp_path) == first
     other = next(tmp_path.rglob("fault-two*.json"))
     for harm in (lambda text: text.replace('"effect_over_tolerance": ', '"effect_over_tolerance": 1'),
                  lambda _: whole.read_text(encoding="utf-8")):
         text = other.read_text(encoding="utf-8")
         other.write_text(harm(text), encoding="utf-8")  # edited, and another's
         assert other.read_text(encoding="utf-8") != text
-        assert study(work=tmp_path) == first
+        assert study.study(work=tmp_path) == first
 
 
 def test_another_source_is_another_place(tmp_path, monkeypatch):
     path = FEW[0].path(tmp_path)
-    monkeypatch.setattr(strength, "source_digest", lambda: "0" * 64)
+    monkeypatch.setattr(study, "source_digest", lambda: "0" * 64)
     assert FEW[0].path(tmp_path) != path
 
 
 def test_workers_and_their_order_change_nothing(few):
     from leakref.runs import pool
 
-    alone = study()
+    alone = study.study()
     with pool(2) as executor:
-        assert study(executor=executor) == alone
+        assert study.study(executor=executor) == alone
 
 
 def test_all_that_is_to_do_is_done_once():
-    todo = strength.jobs(full=True)
+    todo = study.jobs(full=True)
     assert len(set(todo)) == len(todo)
-    assert sum(job.kind == "variant" and job.seed is not None for job in todo) == strength.SEEDS == 200
+    assert sum(job.kind == "variant" and job.seed is not None for job in todo) == study.SEEDS == 200
     assert {job.id for job in todo if job.kind == "variant" and job.seed is not None} == set(VARIANTS)
     assert {job.id for job in todo if job.kind == "fault"} == set(FAULTS)
 
 
 def test_fresh_water_is_other_water_and_goes_away_again():
     given = dict(direction=40.0, spread=60.0)
-    usual, sea, pair = cubes.sea(**given), cubes.sea, cubes.pair
+    usual, sea, pair = inputs.sea(**given), inputs.sea, inputs.pair
     with fresh(3):
-        other, again = cubes.sea(**given), cubes.sea(**given)
-        waves = cubes.pair(cubes.EVEN, (5, 3), (-2, 5), (0.1, 0.2))
-    assert cubes.sea is sea
-    assert cubes.pair is pair
+        other, again = inputs.sea(**given), inputs.sea(**given)
+        waves = inputs.pair(inputs.EVEN, (5, 3), (-2, 5), (0.1, 0.2))
+    assert inputs.sea is sea
+    assert inputs.pair is pair
     assert other is again
     assert other.grid != usual.grid
     assert max(other.grid.shape[:2]) <= 64
     assert not np.array_equal(other.components.phase[:9], usual.components.phase[:9])
-    assert not np.array_equal(waves.truth, cubes.pair(cubes.EVEN, (5, 3), (-2, 5), (0.1, 0.2)).truth)
+    assert not np.array_equal(waves.truth, inputs.pair(inputs.EVEN, (5, 3), (-2, 5), (0.1, 0.2)).truth)
     with fresh(3):
-        np.testing.assert_array_equal(cubes.sea(**given).surface, other.surface)
+        np.testing.assert_array_equal(inputs.sea(**given).surface, other.surface)
 
 
-@pytest.mark.parametrize("family", strength._SEEN)
+@pytest.mark.parametrize("family", study._SEEN)
 def test_every_family_that_looks_at_seas_sees_fresh_ones(family):
     check, case = chosen([family], profile="quick")[0]
     usual = check(InProcess(reference), case)
@@ -143,9 +144,9 @@ def test_every_family_that_looks_at_seas_sees_fresh_ones(family):
 
 
 def test_the_turns_are_the_eight_of_the_square():
-    turns = {tuple(turn.ravel()) for turn in strength._TURNS}
+    turns = {tuple(turn.ravel()) for turn in study._TURNS}
     assert len(turns) == 8
-    assert all(np.array_equal(t @ t.T, np.eye(2)) for t in strength._TURNS)
+    assert all(np.array_equal(t @ t.T, np.eye(2)) for t in study._TURNS)
 
 
 def test_classes_are_faults_with_the_same_effects():
@@ -158,14 +159,14 @@ def test_the_null_resampling_uses_the_statistic_of_the_check():
     rng = np.random.default_rng(1)
     d, margin, alpha = 0.02 * rng.standard_normal(6) + 0.03, 0.01, share(2)
     test = excess(d, margin, alpha)
-    by_hand = margin + strength.student.isf(alpha, 5) * d.std(ddof=1) / np.sqrt(6)
+    by_hand = margin + study.student.isf(alpha, 5) * d.std(ddof=1) / np.sqrt(6)
     assert test.limit == pytest.approx(by_hand, rel=1e-12)
 
 
 def test_false_alarms_of_well_behaved_errors_are_at_their_nominal_rate_at_most():
     chosen()
     rng = np.random.default_rng(4)
-    names = strength._seas()
+    names = study._seas()
     errors = {name: {"nsp": 0.05 + 0.01 * rng.standard_normal(100), "ls": 0.08 + 0.02 * rng.standard_normal(100),
                      "resolution": 0.04} for name in names}
     found = false_alarms(errors, 40_000)
@@ -177,11 +178,11 @@ def test_false_alarms_of_well_behaved_errors_are_at_their_nominal_rate_at_most()
 
 
 def test_a_statistic_that_alarms_too_often_is_seen():
-    said = problems({"faults": [], "variants": [], "false_alarms": {"nominal": 1e-3, "at_margin": strength._rate(
+    said = problems({"faults": [], "variants": [], "false_alarms": {"nominal": 1e-3, "at_margin": study._rate(
         300, 100_000)}})
     assert said == ["false alarms are at 3.0e-03, above 0.001"]
     interval = binomtest(300, 100_000).proportion_ci(method="exact")
-    assert strength._rate(300, 100_000)["interval"] == [interval.low, interval.high]
+    assert study._rate(300, 100_000)["interval"] == [interval.low, interval.high]
 
 
 def test_the_committed_result_is_of_this_list_and_holds():
@@ -191,16 +192,16 @@ def test_the_committed_result_is_of_this_list_and_holds():
     assert {r["id"]: (r["family"], r["witness"]) for r in record["faults"]} == {
         name: (fault.family, fault.witness) for name, fault in FAULTS.items()}
     assert all(r["killed_by"].partition(".")[0] == r["family"] for r in record["faults"])
-    assert min(r["effect_over_tolerance"] for r in record["faults"]) >= strength.DISTINCT
+    assert min(r["effect_over_tolerance"] for r in record["faults"]) >= study.DISTINCT
     assert {v["id"]: v["rejected"] for v in record["variants"]} == dict.fromkeys(VARIANTS, 0)
-    assert sum(v["runs"] for v in record["variants"]) == strength.SEEDS + len(VARIANTS)
+    assert sum(v["runs"] for v in record["variants"]) == study.SEEDS + len(VARIANTS)
     alarms = record["false_alarms"]
     assert alarms["resamplings"] >= 10_000
     assert alarms["at_margin"]["rate"] <= alarms["nominal"]
 
 
 def test_the_command_writes_prints_and_says_so(few, tmp_path, capsys):
-    status = strength.run(out=tmp_path, workers=1, json=True)
+    status = study.run(out=tmp_path, workers=1, json=True)
     printed = json.loads(capsys.readouterr().out)
     written = json.loads((tmp_path / "strength.json").read_text(encoding="utf-8"))
     assert status == 0
@@ -209,5 +210,5 @@ def test_the_command_writes_prints_and_says_so(few, tmp_path, capsys):
     for record in (printed, written):
         assert [row["id"] for row in record["faults"]] == [job.id for job in FEW]
     assert {"id", "killed_by", "effect_over_tolerance"} <= set(printed["faults"][0])
-    assert strength.run(out=tmp_path, workers=1) == 0
+    assert study.run(out=tmp_path, workers=1) == 0
     assert "two-thirds-energy" in capsys.readouterr().out

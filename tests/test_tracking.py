@@ -14,7 +14,7 @@ from scipy.stats import t as student, ttest_ind
 from leakref import LeakrefError, runs
 from leakref.track import changes, history, tracking
 from leakref.cases import configurations
-from leakref.certify.inprocess import InProcess
+from leakref.certify.subject.inprocess import InProcess
 from leakref.chain import reference
 from leakref.track.changes import ALPHA, ANSWERS, BANDS, LOST, MARGIN, POWER, compare, in_band
 from leakref.sea import SeaState

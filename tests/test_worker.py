@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from leakref import Grid, LeakrefError, SeaState, synthesize
-from leakref.certify import inprocess
+from leakref.certify.subject import inprocess
 from leakref.certify.connect import HarnessBroken, connect
 from leakref.certify.verdict import Unanswered
 from leakref.chain import reference

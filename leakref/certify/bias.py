@@ -14,11 +14,11 @@ import numpy as np
 from scipy.stats import t as student
 
 from leakref._base import FloatArray
-from leakref.certify import cubes
-from leakref.certify.cubes import Cube, polar
-from leakref.certify.expected import expected
-from leakref.certify.judging import taper
-from leakref.certify.subject import Subject
+from leakref.certify.checks import inputs
+from leakref.certify.checks.inputs import Cube, polar
+from leakref.certify.checks.expected import expected
+from leakref.certify.checks.criteria import taper
+from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Unanswered
 from leakref.dispersion import UniformCurrent
 from leakref.grid import Grid
@@ -42,12 +42,12 @@ class Sea:
     spread: float
     peakedness: float = 3.3
     current: UniformCurrent | None = None
-    grid: Grid = cubes.SEA
+    grid: Grid = inputs.SEA
     wavenumbers: tuple[float, ...] = (0.8, 1.0, 1.2, 1.5, 1.8, 2.2, 2.6, 3.0)
 
     def cube(self, realization: int) -> Cube:
         """One realisation."""
-        return cubes.sea(self.direction, self.spread, self.current, realization=200 + realization,
+        return inputs.sea(self.direction, self.spread, self.current, realization=200 + realization,
                          peakedness=self.peakedness, grid=self.grid, wavenumbers=self.wavenumbers)
 
 

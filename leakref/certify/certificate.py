@@ -15,7 +15,7 @@ from xml.etree import ElementTree
 
 from leakref._base import LeakrefError, refusal
 from leakref._output import envelope, plain
-from leakref.certify.registry import FAMILIES
+from leakref.certify.checks.registry import FAMILIES
 from leakref.certify.verdict import WRONG, Finding, Verdict
 
 __all__ = ["CONFORMANT", "REJECTED", "SOUND", "Certificate", "Known", "junit", "read_known", "schema"]

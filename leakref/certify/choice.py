@@ -8,8 +8,8 @@ from fnmatch import fnmatchcase
 from leakref._base import LeakrefError
 from leakref.certify import checks
 from leakref.certify.checks import conformance
-from leakref.certify.registry import FAMILIES, Case, Check
-from leakref.certify.subject import Subject
+from leakref.certify.checks.registry import FAMILIES, Case, Check
+from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Finding
 
 __all__ = ["chosen", "judged", "run_check"]

@@ -19,9 +19,9 @@ from leakref._output import console, dump, folder, progress_bar, write_whole
 from leakref.certify.certificate import REJECTED, SOUND, Certificate, junit, read_known, schema
 from leakref.certify.choice import chosen
 from leakref.certify.connect import HarnessBroken, Limits, connect
-from leakref.certify.diagnosis import explained
+from leakref.certify.strength.diagnosis import explained
 from leakref.certify.judge import certify
-from leakref.certify.process import ProcessSubject
+from leakref.certify.subject.protocol import ProcessSubject
 from leakref.certify.verdict import WRONG, Finding, Verdict
 from leakref.golden import locate
 

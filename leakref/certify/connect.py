@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from leakref._base import LeakrefError
-from leakref.certify.process import HarnessBroken, Limits, ProcessSubject
+from leakref.certify.subject.protocol import HarnessBroken, Limits, ProcessSubject
 
 __all__ = ["HarnessBroken", "Limits", "connect"]
 

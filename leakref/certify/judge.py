@@ -12,8 +12,8 @@ from time import perf_counter
 from leakref._base import LeakrefError
 from leakref.certify.certificate import Certificate, Known
 from leakref.certify.choice import chosen, judged
-from leakref.certify.registry import Case, Check
-from leakref.certify.subject import Subject
+from leakref.certify.checks.registry import Case, Check
+from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Finding, Verdict
 
 __all__ = ["certify"]

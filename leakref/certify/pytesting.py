@@ -12,9 +12,9 @@ import pytest
 from leakref._base import LeakrefError
 from leakref.certify.certificate import Known, read_known
 from leakref.certify.choice import chosen
-from leakref.certify.inprocess import InProcess
-from leakref.certify.registry import Case, Check
-from leakref.certify.subject import Subject
+from leakref.certify.subject.inprocess import InProcess
+from leakref.certify.checks.registry import Case, Check
+from leakref.certify.subject.frames import Subject
 from leakref.certify.targets import load
 from leakref.certify.verdict import Finding, Verdict
 from leakref.plugin import MARK

@@ -13,7 +13,7 @@ from leakref import __version__
 from leakref._base import FloatArray
 from leakref.certify.certificate import Certificate
 from leakref.certify.choice import chosen
-from leakref.certify.registry import FAMILIES, Check
+from leakref.certify.checks.registry import FAMILIES, Check
 from leakref.certify.verdict import Finding, Verdict
 
 __all__ = ["badge", "page", "sentence"]

@@ -18,17 +18,17 @@ def load(target: str) -> Any:
     Raises LeakrefError if there is none of that name. What the module raises on import is passed on.
     """
     if target == "reference":
-        from leakref.certify.faults import Named
+        from leakref.certify.strength.faults import Named
         from leakref.chain import reference
 
         return Named(reference, "leakref")  # with null where it has no number
     kind, _, name = target.partition(":")
     if kind == "fault":
-        from leakref.certify.faults import implementation
+        from leakref.certify.strength.faults import implementation
 
         return implementation(name)
     if kind == "variant":
-        from leakref.certify.variants import implementation
+        from leakref.certify.strength.variants import implementation
 
         return implementation(name)
     if not name or not all(part.isidentifier() for part in kind.split(".")):

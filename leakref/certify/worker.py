@@ -19,7 +19,7 @@ import numpy as np
 from leakref._base import LeakrefError
 from leakref._output import plain
 from leakref.certify import targets
-from leakref.certify.inprocess import call, described, offered
+from leakref.certify.subject.inprocess import call, described, offered
 from leakref.certify.verdict import Unanswered, Verdict
 
 __all__ = ["answer", "main", "ready"]

@@ -12,7 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from leakref import fastspectra, kept, leastsquares, runs, sources
+from leakref import kept, leastsquares, runs, sources
+from leakref.fast import spectra
 from leakref._base import FloatArray
 from leakref.cases import Configuration, configurations
 from leakref.claims.evidence import PLAIN, Evidence, Setting, kept_velocities, peak_waves, resampled
@@ -33,7 +34,7 @@ _SHARE = 0.1  # of the smaller resolution: a variant that moves a velocity by mo
 def _spectra(configuration: Configuration, realization: int, windows: tuple[str, ...],
              radius: float) -> dict[str, FloatArray]:
     grid, tapers = configuration.grid, [named_window(name) for name in windows]
-    return fastspectra.magnitudes(configuration.components(realization), grid, tapers, fastspectra.Disc(grid, radius))
+    return spectra.magnitudes(configuration.components(realization), grid, tapers, spectra.Disc(grid, radius))
 
 
 def velocities(variant: Variant, configuration: Configuration, realization: int, setting: Setting = PLAIN,
@@ -49,7 +50,7 @@ def velocities(variant: Variant, configuration: Configuration, realization: int,
     chain = variant.chain
     own = chain.cases.Configuration(**asdict(configuration))
     waves = own.components(realization)
-    chain.fast.magnitudes = chain.fastspectra.magnitudes
+    chain.fast.magnitudes = chain.fast.spectra.magnitudes
     if setting.without_peak:
         rest = ~peak_waves(waves)
         waves = chain.sea.Components(*(getattr(waves, name)[rest] for name in waves.__dataclass_fields__))

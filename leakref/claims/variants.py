@@ -19,7 +19,7 @@ CONFIGURATIONS = ("nsp-ls", "theta0-dtheta/direction=60,spread=15", "gamma/sprea
 """The eight on which the decisions are tried: a broad, a narrow and a peaked sea, coarse and long videos, an opposing
 current (where the frequency of encounter matters), a crossing one that is rotated, the normal sea of the windows."""
 _OPPOSING, _ROTATED, _WINDOWS = CONFIGURATIONS[5:]
-_SPECTRA = {"grid", "dispersion", "sea", "cases", "window", "leakage", "fastspectra"}
+_SPECTRA = {"grid", "dispersion", "sea", "cases", "window", "leakage", "fast.spectra"}
 
 
 @dataclass(frozen=True)
@@ -107,15 +107,15 @@ VARIANTS: dict[str, Variant] = {v.id: v for v in (
     Variant("symmetric-hann", "D1", "Hann sampled symmetrically, n / (N - 1)",
             _one("window", "symmetric: bool = False", "symmetric: bool = True"),
             (Change("window", "if self.coefficients:\n            lines", 'if self.name == "box":\n            lines'),
-             Change("fastspectra", "for w in windows if w.coefficients]", 'for w in windows if w.name == "box"]'),
-             Change("fastspectra", "if not w.coefficients:", 'if w.name != "box":')), windows=("hann",)),
+             Change("fast.spectra", "for w in windows if w.coefficients]", 'for w in windows if w.name == "box"]'),
+             Change("fast.spectra", "if not w.coefficients:", 'if w.name != "box":')), windows=("hann",)),
     Variant("printed-branch", "D2", "negative branch of G as printed, at -omega0 - k.c",
             (Change("nsp", "return shell.intrinsic + shift, -shell.intrinsic + shift",
                     "return shell.intrinsic + shift, -shell.intrinsic - shift"),
              Change("nsp", "for centre in _centres(shell, velocity):",
                     "for sign, centre in zip((1, -1), _centres(shell, velocity), strict=True):"),
              Change("nsp", "(g, 4 * z / width * g,", "(g, sign * 4 * z / width * g,")),
-            _one("fastscore", "f[column if m + j >= 0 else f.shape[0] - 1 - column, n]", "f[column, n]"), ("nsp",)),
+            _one("fast.score", "f[column if m + j >= 0 else f.shape[0] - 1 - column, n]", "f[column, n]"), ("nsp",)),
     Variant("edge-bins-out", "D3", "bins on the edge of a shell left out",
             _one("shell", "EDGE_MARGIN = 1e-9", "EDGE_MARGIN = -1e-9")),
     Variant("cut-at-3", "D4", "frequencies above omega = 3 left out",
@@ -131,24 +131,24 @@ VARIANTS: dict[str, Variant] = {v.id: v for v in (
     Variant("whole-weights", "D5", "weight 1, not 1/2, on omega = 0 and the Nyquist plane",
             _one("spectrum", "np.where((m == 0) | (2 * m == self.grid.shape[2]), 0.5, 1.0)", "np.ones(m.size)"),
             (Change("fast", "np.where((m == 0) | (2 * m == grid.shape[2]), 0.5, 1.0)", "np.ones(m.size)"),
-             Change("fastscore", "if n == top and ring.even:\n                out[j] *= 0.5",
+             Change("fast.score", "if n == top and ring.even:\n                out[j] *= 0.5",
                     "if n == 0:\n                out[j] *= 2"),
-             Change("fastscore", _CONSTANT, "clipped = True")), ("nsp",)),
+             Change("fast.score", _CONSTANT, "clipped = True")), ("nsp",)),
     Variant("early-stop", "D6", "Nelder-Mead stopped at the defaults of MATLAB and SciPy, 1e-4 in c and N; no polish",
             (Change("nsp", '"xatol": 1e-8, "fatol": np.inf', '"xatol": 1e-4, "fatol": 1e-4'),
              Change("nsp", _POLISH, "fit.x * unit, 0, True")),
             (Change("fast", "ring, velocity, d = ring._replace(magnitude=self.magnitude)",
                     f"ring, velocity, d = ring._replace(magnitude=self.magnitude * ({_NORM}))"),
              Change("fast", f"        d *= {_NORM}\n", ""),
-             Change("fastscore", "if size <= 1e-8:",
+             Change("fast.score", "if size <= 1e-8:",
                     "if size <= 1e-4 and max(abs(values[1] - values[0]), abs(values[2] - values[0])) <= 1e-4:"),
-             Change("fastscore", _CLIMB, "c[:] = simplex[0] * unit\n    steps, arrived = 0, True\n"
+             Change("fast.score", _CLIMB, "c[:] = simplex[0] * unit\n    steps, arrived = 0, True\n"
                                          "    _derivatives(ring, models, c, _RADIUS, d)")), ("nsp",)),
     Variant("large-simplex", "D6", "Nelder-Mead started with a simplex of 0.1 c0",
             _one("nsp", "START = 2.5e-4", "START = 0.1"), methods=("nsp",)),
     Variant("newton-from-rest", "D6", "Newton's method from c = 0, no simplex",
             _one("nsp", _POLISH, _POLISH.replace("fit.x * unit", "np.zeros(2)")),
-            _one("fastscore", _CLIMB, _CLIMB.replace("simplex[0] * unit", "np.zeros(2)")), ("nsp",)),
+            _one("fast.score", _CLIMB, _CLIMB.replace("simplex[0] * unit", "np.zeros(2)")), ("nsp",)),
     Variant("threshold-of-amplitude", "D7", "LS keeps bins above 0.2 of the shell's largest sqrt P, not P",
             _one("leastsquares", "THRESHOLD = 0.2", "THRESHOLD = 0.2**2"), methods=("ls",)),
     Variant("threshold-of-all", "D7", "LS keeps bins above 0.2 of the largest P of the whole spectrum",
@@ -199,13 +199,13 @@ VARIANTS: dict[str, Variant] = {v.id: v for v in (
              Change("nsp", "np.sum(v @ shell.weight)) for v", "np.sum(v @ shell.weight * _measure(shell))) for v"),
              Change("nsp", "g = np.exp(-2 * z**2) * shell.weight\n",
                     "g = np.exp(-2 * z**2) * shell.weight * _measure(shell)[:, None]\n")),
-            (Change("fastscore", _COLUMNS, _MEASURED + _COLUMNS), Change("fastscore", _CONSTANT, "clipped = True")),
+            (Change("fast.score", _COLUMNS, _MEASURED + _COLUMNS), Change("fast.score", _CONSTANT, "clipped = True")),
             ("nsp",)),
     Variant("both-halves", "D19", "LS on both halves of the space",
             _one("leastsquares", "shift = shell.omega[m] - shell.intrinsic[column]\n",
                  "shift = np.concatenate([sign * shell.omega[m] - shell.intrinsic[column] for sign in (1, -1)])\n"
                  "    k = np.concatenate([k, -k], axis=1)\n"),
-            _one("fastscore", "bx + kx * (m - ring.centre[n]), by + ky * (m - ring.centre[n])",
+            _one("fast.score", "bx + kx * (m - ring.centre[n]), by + ky * (m - ring.centre[n])",
                  "bx + kx * m, by + ky * m"), ("ls",)),
     Variant("unit-by-shell", "D21", "the phase velocity at the shell's own wavenumber as the unit of the simplex",
             _one("shell", "phase_velocity(peak_wavenumber or default, gravity)", "phase_velocity(wavenumber, gravity)"),

@@ -18,7 +18,8 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from leakref import __version__, ensemble, kept, runs, sources, witness
+from leakref import __version__, ensemble, kept, runs, sources
+from leakref.golden import oracle
 from leakref._base import FloatArray, LeakrefError
 from leakref._output import plain as to_json
 from leakref._output import write_whole
@@ -120,7 +121,7 @@ def _vector(vector: Vector, before: Entry | None = None) -> dict[str, Any]:
     found = {route: compute(put_in) for route, compute in stage.routes.items()}
     first = next(iter(found))
     if stage.witness is not None:
-        found["mpmath"] = witness.at_digits(stage.witness)(put_in, found[first])
+        found["mpmath"] = oracle.at_digits(stage.witness)(put_in, found[first])
     rounded = {route: plain(outputs) for route, outputs in found.items()}
     conditioning = stage.conditioning(put_in, {n: v for n, v in rounded[first].items() if n != "notes"})
     head = _head(vector.id, vector.stage, vector.difficulty, vector.purpose, stage.equation, vector.faults,
@@ -523,7 +524,7 @@ def verify_entry(entry: Entry, routes: Sequence[str] | None = None, *, with_witn
         first = first or found
         failures += compare(entry, found, route) + _noted(entry, found.get("notes"), route)
     if with_witness and stage.witness is not None and first is not None:
-        failures += compare(entry, plain(witness.at_digits(stage.witness)(entry.input, first)), "mpmath")
+        failures += compare(entry, plain(oracle.at_digits(stage.witness)(entry.input, first)), "mpmath")
     return failures
 
 

@@ -2,9 +2,9 @@
 
 A stage takes the `input` of an entry (plain JSON) and gives arrays by name. `routes` are the chain's own: "A" through
 the surface, "B" in closed form, "chain" where there is one way only. `witness` is the same from the paper's formulas
-with 40 digits (`leakref.witness`). `conditioning` says by how much each output moves if every rounding on the way is
-one unit of 2^-52, to first order (see `leakref.golden`): for a sum of waves the turns of phase that are formed and the
-stages of the transform; for a velocity the roundings of F carried through the curvature of N.
+with 40 digits (`leakref.golden.oracle`). `conditioning` says by how much each output moves if every rounding on the
+way is one unit of 2^-52, to first order (see `leakref.golden`): for a sum of waves the turns of phase that are formed
+and the stages of the transform; for a velocity the roundings of F carried through the curvature of N.
 """
 
 from __future__ import annotations
@@ -15,7 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from leakref import leakage, witness
+from leakref import leakage
+from leakref.golden import oracle
 from leakref._base import FloatArray
 from leakref.cases import Configuration
 from leakref.chain import analyse, extract, shell_wavenumbers
@@ -86,7 +87,7 @@ def _scaled_grid(given: Input) -> Output:
 
 
 def _scaled_grid_witness(given: Input, _: Output) -> Output:
-    mp, mpf = witness.mp, witness.mpf
+    mp, mpf = oracle.mp, oracle.mpf
     sizes = [int(mp.nint(mpf(given["length"]) * 28)), int(mp.nint(mpf(given["duration"]) * 14))]
     sides = [2 * mp.pi * mpf(given[name]) for name in ("length", "duration")]
     dk, dw = (2 * mp.pi / side for side in sides)
@@ -104,13 +105,13 @@ def _bins_of(given: Input) -> Output:
 
 
 def _bins_of_witness(given: Input, _: Output) -> Output:
-    mp = witness.mp
-    widths = [2 * mp.pi / (n * witness.mpf(d)) for n, d in zip(given["shape"], given["spacing"], strict=True)]
+    mp = oracle.mp
+    widths = [2 * mp.pi / (n * oracle.mpf(d)) for n, d in zip(given["shape"], given["spacing"], strict=True)]
     nx, ny, nt = given["shape"]
     signed = [[(n if n < (size + 1) // 2 else n - size) * width for n in range(size)]
               for size, width in ((nx, widths[0]), (ny, widths[1]))]
     return {"kx": signed[0], "ky": signed[1], "omega": [m * widths[2] for m in range(nt // 2 + 1)],
-            "nyquist": [mp.pi / witness.mpf(d) for d in given["spacing"]],
+            "nyquist": [mp.pi / oracle.mpf(d) for d in given["spacing"]],
             "resolution": [max(widths[:2]), widths[2]]}
 
 
@@ -122,9 +123,9 @@ def _dispersion(given: Input) -> Output:
 
 def _dispersion_witness(given: Input, _: Output) -> Output:
     g = given["gravity"]
-    omega = [witness.dispersion(k, g) for k in given["wavenumber"]]
+    omega = [oracle.dispersion(k, g) for k in given["wavenumber"]]
     return {"frequency": omega, "phase_velocity": [w / k for w, k in zip(omega, given["wavenumber"], strict=True)],
-            "group_velocity": [witness.mp.diff(lambda k: witness.dispersion(k, g), witness.mpf(k))
+            "group_velocity": [oracle.mp.diff(lambda k: oracle.dispersion(k, g), oracle.mpf(k))
                                for k in given["wavenumber"]]}
 
 
@@ -135,9 +136,9 @@ def _resolutions(given: Input) -> Output:
 
 
 def _resolutions_witness(given: Input, _: Output) -> Output:
-    g, dk, dw = (witness.mpf(given[name]) for name in ("gravity", "wavenumber_resolution", "frequency_resolution"))
-    k = [witness.mpf(v) for v in given["wavenumber"]]
-    return {"from_frequency": [dw / v for v in k], "from_wavenumber": [witness.mp.sqrt(g / v) / 2 * dk / v for v in k]}
+    g, dk, dw = (oracle.mpf(given[name]) for name in ("gravity", "wavenumber_resolution", "frequency_resolution"))
+    k = [oracle.mpf(v) for v in given["wavenumber"]]
+    return {"from_frequency": [dw / v for v in k], "from_wavenumber": [oracle.mp.sqrt(g / v) / 2 * dk / v for v in k]}
 
 
 def _profile(given: Input) -> ProfileCurrent:
@@ -171,7 +172,7 @@ def _shifts(current: Current, given: Input) -> Output:
 
 
 def _doppler_witness(given: Input, _: Output) -> Output:
-    return {"velocity": [witness.doppler(given["current"], k) for k in given["wavenumber"]]}
+    return {"velocity": [oracle.doppler(given["current"], k) for k in given["wavenumber"]]}
 
 
 def _scales(given: Input) -> Output:
@@ -180,8 +181,8 @@ def _scales(given: Input) -> Output:
 
 
 def _scales_witness(given: Input, _: Output) -> Output:
-    k = witness.mpf(given["peak_wavenumber"])
-    omega = witness.dispersion(k, given["gravity"])
+    k = oracle.mpf(given["peak_wavenumber"])
+    omega = oracle.dispersion(k, given["gravity"])
     return {"wavenumber": k, "frequency": omega, "length": 1 / k, "time": 1 / omega, "velocity": omega / k}
 
 
@@ -203,7 +204,7 @@ def _spreading_conditioning(given: Input, found: Output) -> Output:
 
 
 def _phases_witness(given: Input, _: Output) -> Output:
-    return {"phase": [witness.lattice_phase(given["realization"], i, j)
+    return {"phase": [oracle.lattice_phase(given["realization"], i, j)
                       for i, j in zip(given["i"], given["j"], strict=True)]}
 
 
@@ -217,7 +218,7 @@ def _sea(given: Input) -> Output:
 
 
 def _sea_witness(given: Input, _: Output) -> Output:
-    found = witness.components(given, lambda k: witness.doppler(given["current"], k))
+    found = oracle.components(given, lambda k: oracle.doppler(given["current"], k))
     return dict(zip(WAVE, found, strict=True))
 
 
@@ -264,7 +265,7 @@ def _summed_response(given: Input) -> Output:
 
 
 def _response_witness(given: Input, _: Output) -> Output:
-    return _rounded([[witness.kernel(given["window"], n, u, given["size"]) for u in given["positions"]]
+    return _rounded([[oracle.kernel(given["window"], n, u, given["size"]) for u in given["positions"]]
                      for n in given["bins"]])
 
 
@@ -299,20 +300,20 @@ def _turns(given: Input) -> float:
                                   zip(("kx", "ky", "omega"), grid.lengths, strict=True)) + _largest(given["phase"]))
 
 
-def _all_bins(given: Input) -> witness.Bins:
+def _all_bins(given: Input) -> oracle.Bins:
     nx, ny, _ = given["shape"]
     return [(i, j) for i in range(nx) for j in range(ny)]
 
 
 def _spectrum_witness(given: Input, _: Output) -> Output:
     nx, ny, nt = given["shape"]
-    found = witness.spectrum(_listed(given), given["shape"], given["spacing"], given["window"], _all_bins(given),
+    found = oracle.spectrum(_listed(given), given["shape"], given["spacing"], given["window"], _all_bins(given),
                              range(nt))
     return {name: v.reshape(nx, ny, nt) for name, v in _rounded(found).items()}
 
 
 def _transform_witness(given: Input, _: Output) -> Output:
-    return _rounded(witness.transformed(given["surface"], given["window"]))
+    return _rounded(oracle.transformed(given["surface"], given["window"]))
 
 
 def _plain_transform(given: Input) -> Output:
@@ -376,18 +377,18 @@ def _membership_witness(given: Input, _: Output) -> Output:
             "omega": shell.omega}
 
 
-def _witness_shell(given: Input, values: Callable[[witness.Bins], Any] | None,
-                   wavenumber: float | None = None) -> tuple[witness.Shell, witness.Bins]:
-    bins = sorted(witness.shell_bins(given["shape"], given["spacing"], wavenumber or given["wavenumber"]))
+def _witness_shell(given: Input, values: Callable[[oracle.Bins], Any] | None,
+                   wavenumber: float | None = None) -> tuple[oracle.Shell, oracle.Bins]:
+    bins = sorted(oracle.shell_bins(given["shape"], given["spacing"], wavenumber or given["wavenumber"]))
     found = values(bins) if values is not None else None
-    return witness.Shell(found, bins, given["shape"], given["spacing"], given["gravity"]), bins
+    return oracle.Shell(found, bins, given["shape"], given["spacing"], given["gravity"]), bins
 
 
-def _witness_values(given: Input) -> Callable[[witness.Bins], Any]:
+def _witness_values(given: Input) -> Callable[[oracle.Bins], Any]:
     """S at given columns, from waves or from a surface."""
     if "surface" not in given:
-        return lambda bins: witness.spectrum(_listed(given), given["shape"], given["spacing"], given["window"], bins)
-    everything = witness.transformed(given["surface"], given["window"])
+        return lambda bins: oracle.spectrum(_listed(given), given["shape"], given["spacing"], given["window"], bins)
+    everything = oracle.transformed(given["surface"], given["window"])
     return lambda bins: [everything[i][j][: given["shape"][2] // 2 + 1] for i, j in bins]
 
 
@@ -413,7 +414,7 @@ def _characteristic(given: Input) -> Output:
 
 
 def _characteristic_witness(given: Input, _: Output) -> Output:
-    return {"G": witness.characteristic(_witness_shell(given, None)[0], given["velocity"])}
+    return {"G": oracle.characteristic(_witness_shell(given, None)[0], given["velocity"])}
 
 
 def _characteristic_conditioning(given: Input, _: Output) -> Output:
@@ -433,7 +434,7 @@ def _scores(spectrum: Callable[[Input], Spectrum]) -> Callable[[Input], Output]:
 
 def _scores_witness(given: Input, _: Output) -> Output:
     shell = _witness_shell(given, _witness_values(given))[0]
-    return {"N": [witness.score(shell, c)[0] for c in given["velocities"]]}
+    return {"N": [oracle.score(shell, c)[0] for c in given["velocities"]]}
 
 
 def _derivatives(spectrum: Callable[[Input], Spectrum]) -> Callable[[Input], Output]:
@@ -447,7 +448,7 @@ def _derivatives(spectrum: Callable[[Input], Spectrum]) -> Callable[[Input], Out
 
 def _derivatives_witness(given: Input, _: Output) -> Output:
     shell = _witness_shell(given, _witness_values(given))[0]
-    return dict(zip(("N", "gradient", "hessian"), witness.score(shell, given["velocity"]), strict=True))
+    return dict(zip(("N", "gradient", "hessian"), oracle.score(shell, given["velocity"]), strict=True))
 
 
 def _sensitivity(shell: Shell, velocity: Any, width: float) -> tuple[float, FloatArray]:
@@ -548,7 +549,7 @@ def _velocities_witness(given: Input, first: Output, method: str = "nsp") -> Out
             result.append([np.nan, np.nan])
             continue
         shell = _witness_shell(given, values, k)[0]
-        result.append(witness.newton(shell, start.tolist()) if method == "nsp" else witness.least_squares(shell))
+        result.append(oracle.newton(shell, start.tolist()) if method == "nsp" else oracle.least_squares(shell))
     return {"velocities": result}
 
 
@@ -630,19 +631,19 @@ def _figures(given: Input) -> Output:
 
 
 def _figures_witness(given: Input, _: Output) -> Output:
-    mp, mpf, name = witness.mp, witness.mpf, given["window"]
-    gain = witness.closed_lobe(name, mpf(0))
+    mp, mpf, name = oracle.mp, oracle.mpf, given["window"]
+    gain = oracle.closed_lobe(name, mpf(0))
 
     def level(v: Any) -> Any:
-        return witness.closed_lobe(name, v) / gain
+        return oracle.closed_lobe(name, v) / gain
 
-    zero = witness.nearest_root(level, _ZERO[name] * 1.001)
-    three = witness.nearest_root(lambda v: level(v) - mp.sqrt(mpf(1) / 2), 0.44 + 0.2 * (_ZERO[name] > 1))
-    six = witness.nearest_root(lambda v: level(v) - mpf(1) / 2, 0.6 + 0.4 * (_ZERO[name] > 1))
+    zero = oracle.nearest_root(level, _ZERO[name] * 1.001)
+    three = oracle.nearest_root(lambda v: level(v) - mp.sqrt(mpf(1) / 2), 0.44 + 0.2 * (_ZERO[name] > 1))
+    six = oracle.nearest_root(lambda v: level(v) - mpf(1) / 2, 0.6 + 0.4 * (_ZERO[name] > 1))
     highest = max(_tops(level, _ZERO[name]), key=lambda v: abs(level(v)))
     side = abs(level(mp.findroot(lambda v: mp.diff(level, v), mpf(highest))))
     return {"first_zero": zero, "width_3db": 2 * three, "width_6db": 2 * six, "peak_sidelobe": side,
-            "peak_sidelobe_db": 20 * mp.log10(side), "noise_bandwidth": witness.mean_square(name) / gain**2,
+            "peak_sidelobe_db": 20 * mp.log10(side), "noise_bandwidth": oracle.mean_square(name) / gain**2,
             "coherent_gain": gain, "scalloping": level(mpf(1) / 2)}
 
 
@@ -671,20 +672,20 @@ STAGES: dict[str, Stage] = {
         "quadrature": lambda g: _shifts(_profile(g["current"]), g)}, _doppler_witness, _relative(100)),
     "scales": Stage("sec:dimensions", {"chain": _scales}, _scales_witness, _relative(4)),
     "jonswap": Stage("eq:JONSWAP", {"chain": lambda g: {"density": jonswap(g["frequency"], g["peakedness"])}},
-                     lambda g, _: {"density": [witness.jonswap(w, g["peakedness"]) for w in g["frequency"]]},
+                     lambda g, _: {"density": [oracle.jonswap(w, g["peakedness"]) for w in g["frequency"]]},
                      _jonswap_conditioning),
     "spreading": Stage("eq:angularspread", {
         "chain": lambda g: {"density": directional_spreading(g["direction"], g["mean"], g["spread"])}},
-        lambda g, _: {"density": [witness.spreading(d, g["mean"], g["spread"]) for d in g["direction"]]},
+        lambda g, _: {"density": [oracle.spreading(d, g["mean"], g["spread"]) for d in g["direction"]]},
         _spreading_conditioning),
     "phases": Stage("sec:spectrum", {
         "chain": lambda g: {"phase": uniform_phases(g["realization"], np.array(g["i"]), np.array(g["j"]))}},
         _phases_witness, _relative(0, "phase")),
     "components": Stage("eq:amplitudes", {"chain": _sea}, _sea_witness, _sea_conditioning),
     "surface": Stage("sec:spectrum", {"chain": lambda g: {"eta": synthesize(_waves(g), g["x"], g["y"], g["t"])}},
-                     lambda g, _: {"eta": witness.surface(_listed(g), g["x"], g["y"], g["t"])}, _surface_conditioning),
+                     lambda g, _: {"eta": oracle.surface(_listed(g), g["x"], g["y"], g["t"])}, _surface_conditioning),
     "window": Stage("eq:hann", {"chain": lambda g: {"w": window(g["window"]).samples(g["size"])}},
-                    lambda g, _: {"w": [witness.window(g["window"], witness.mpf(n) / g["size"])
+                    lambda g, _: {"w": [oracle.window(g["window"], oracle.mpf(n) / g["size"])
                                         for n in range(g["size"])]}, _relative(8)),
     "response": Stage("sec:leakage", {"chain": _response, "sum": _summed_response}, _response_witness,
                       _response_conditioning),
@@ -708,10 +709,10 @@ STAGES: dict[str, Stage] = {
     "extract": Stage("sec:NSP", {"chain": _extract},
                      lambda g, first: _velocities_witness(g, first, g["method"]),
                      lambda g, f: _velocities_conditioning(g, g["method"])),
-    "statistics": Stage("sec:parameters", {"chain": _statistics}, lambda g, _: witness.statistics(g["velocities"]),
+    "statistics": Stage("sec:parameters", {"chain": _statistics}, lambda g, _: oracle.statistics(g["velocities"]),
                         _relative(8, "count")),
     "lobes": Stage("fig:leakage_lobes", {"chain": _lobes, "quadrature": _lobes_integrated},
-                   lambda g, _: {"lobe": [witness.lobe(g["window"], v) for v in g["offsets"]]},
+                   lambda g, _: {"lobe": [oracle.lobe(g["window"], v) for v in g["offsets"]]},
                    lambda g, f: {"lobe": 8.0 + np.pi * _largest(g["offsets"])}),
     "figures": Stage("app:window_comparison", {"chain": _figures}, _figures_witness, _figures_conditioning),
 }

@@ -28,8 +28,8 @@ from leakref._base import FloatArray, LeakrefError, Trouble, refusal
 from leakref._output import plain
 from leakref.cases import Configuration, configurations
 from leakref.certify.bias import SEAS
-from leakref.certify.cubes import Cube
-from leakref.certify.subject import GRAVITY, PEAK, Subject
+from leakref.certify.checks.inputs import Cube
+from leakref.certify.subject.frames import GRAVITY, PEAK, Subject
 from leakref.certify.verdict import Unanswered, printable
 from leakref.chain import METHODS
 from leakref.decisions import DECISIONS

@@ -1,10 +1,10 @@
-"""The checks, a module a family. Importing them registers them (`leakref.certify.registry`)."""
+"""The checks, a module a family. Importing them registers them (`leakref.certify.checks.registry`)."""
 
 from __future__ import annotations
 
 import importlib
 
-from leakref.certify.registry import CHECKS, FAMILIES, Check
+from leakref.certify.checks.registry import CHECKS, FAMILIES, Check
 
 __all__ = ["load"]
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from leakref._base import FloatArray
-from leakref.certify import cubes
-from leakref.certify.cubes import SEA, Cube
-from leakref.certify.judging import (FRACTION, IN_THE_MEAN, NEVER, ask, each_method, in_the_mean, taper, vector,
+from leakref.certify.checks import inputs
+from leakref.certify.checks.inputs import SEA, Cube
+from leakref.certify.checks.criteria import (FRACTION, IN_THE_MEAN, NEVER, ask, each_method, in_the_mean, taper, vector,
                                       verdict)
-from leakref.certify.registry import Case, Outcome, check
-from leakref.certify.subject import Subject
+from leakref.certify.checks.registry import Case, Outcome, check
+from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Unanswered, Verdict
 from leakref.dispersion import ExponentialCurrent, UniformCurrent
 from leakref.grid import Grid
@@ -25,7 +25,7 @@ ABSOLUTE = "none: it either is so or is not"
 
 def _sea(*wavenumbers: float, grid: Grid = SEA) -> Cube:
     """On a sheared current, so that every wavenumber has its own velocity."""
-    return cubes.sea(30.0, 150.0, ExponentialCurrent((0.1, 0.4), 0.4), realization=9, grid=grid,
+    return inputs.sea(30.0, 150.0, ExponentialCurrent((0.1, 0.4), 0.4), realization=9, grid=grid,
                      wavenumbers=wavenumbers or (1.2, 1.7, 2.5))
 
 
@@ -59,7 +59,7 @@ def check_input(subject: Subject, case: Case) -> Outcome:
 def check_deterministic(subject: Subject, case: Case) -> Outcome:
     """The same input twice gives the same bits: a start drawn at random, or something kept from the call before, makes
     a result that nobody can check."""
-    cube, other = _sea(), cubes.sea(-100.0, 80.0, UniformCurrent((0.3, 0.0)), wavenumbers=(1.2, 1.7, 2.5))
+    cube, other = _sea(), inputs.sea(-100.0, 80.0, UniformCurrent((0.3, 0.0)), wavenumbers=(1.2, 1.7, 2.5))
     window = _any_window(subject)
 
     def judge(method: str) -> Outcome:

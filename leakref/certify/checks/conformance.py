@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 
 from leakref._base import FloatArray
-from leakref.certify import cubes
-from leakref.certify.cubes import Cube, polar
-from leakref.certify.expected import expected, score, unflagged
-from leakref.certify.judging import EXACT, FLATTER, as_array, verdict
-from leakref.certify.registry import CHECKS, Case, Check, Outcome, check
-from leakref.certify.subject import Subject
+from leakref.certify.checks import inputs
+from leakref.certify.checks.inputs import Cube, polar
+from leakref.certify.checks.expected import expected, score, unflagged
+from leakref.certify.checks.criteria import EXACT, FLATTER, as_array, verdict
+from leakref.certify.checks.registry import CHECKS, Case, Check, Outcome, check
+from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Unanswered, Verdict
 from leakref.dispersion import Scales, UniformCurrent
 from leakref.golden import Entry, Golden, agreed_digits, locate
@@ -152,13 +152,13 @@ def _sea(name: str) -> Cube:
     """Seas that the reference is asked about now: edge bins on a square domain, odd sizes, a strong current."""
     dk = SQUARE.wavenumber_resolution
     return {
-        "edges": lambda: cubes.sea(40.0, 120.0, UniformCurrent(polar(0.1, 10.0)), realization=21, grid=SQUARE,
+        "edges": lambda: inputs.sea(40.0, 120.0, UniformCurrent(polar(0.1, 10.0)), realization=21, grid=SQUARE,
                                    wavenumbers=tuple(float(n * dk) for n in (5, 6, 8, 10, 13))),
-        "odd": lambda: cubes.sea(-110.0, 70.0, UniformCurrent(polar(0.15, 200.0)), realization=22,
+        "odd": lambda: inputs.sea(-110.0, 70.0, UniformCurrent(polar(0.15, 200.0)), realization=22,
                                  grid=Grid((45, 39, 61), (0.66, 0.74, 0.83)), wavenumbers=(1.05, 1.3, 1.7, 2.2, 2.8)),
-        "narrow": lambda: cubes.sea(65.0, 25.0, UniformCurrent(polar(0.05, 90.0)), realization=23,
+        "narrow": lambda: inputs.sea(65.0, 25.0, UniformCurrent(polar(0.05, 90.0)), realization=23,
                                     wavenumbers=(1.1, 1.4, 1.8, 2.3)),
-        "strong": lambda: cubes.sea(80.0, 180.0, UniformCurrent((-0.5, -0.5)), realization=24, grid=cubes.BRIEF,
+        "strong": lambda: inputs.sea(80.0, 180.0, UniformCurrent((-0.5, -0.5)), realization=24, grid=inputs.BRIEF,
                                     wavenumbers=(1.3, 1.6, 1.9, 2.2, 2.5)),
     }[name]()
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from leakref._base import FloatArray
-from leakref.certify import cubes
-from leakref.certify.cubes import BRIEF, GRIDS
-from leakref.certify.expected import unflagged
-from leakref.certify.judging import ROOM, ask, bare, each_method, exactly, room, taper, verdict
-from leakref.certify.registry import Case, Outcome, check
-from leakref.certify.subject import Subject
+from leakref.certify.checks import inputs
+from leakref.certify.checks.inputs import BRIEF, GRIDS
+from leakref.certify.checks.expected import unflagged
+from leakref.certify.checks.criteria import ROOM, ask, bare, each_method, exactly, room, taper, verdict
+from leakref.certify.checks.registry import Case, Outcome, check
+from leakref.certify.subject.frames import Subject
 from leakref.dispersion import UniformCurrent
 
 __all__ = ["check_aligned", "check_backwards", "check_strong"]
@@ -31,7 +31,7 @@ def _median(over: FloatArray) -> FloatArray:
 
 def _judged(subject: Subject, case: Case, without: tuple[str, ...] = ()) -> Outcome:
     given = case.given
-    cube = cubes.sea(given["direction"], given.get("spread", 180.0), UniformCurrent(given["current"]), grid=BRIEF,
+    cube = inputs.sea(given["direction"], given.get("spread", 180.0), UniformCurrent(given["current"]), grid=BRIEF,
                      wavenumbers=given.get("wavenumbers", (1.3, 1.6, 1.9, 2.2)))
     window = taper(subject)
 
@@ -76,7 +76,7 @@ def check_backwards(subject: Subject, case: Case) -> Outcome:
            Case("following-2", {"grid": "prime", "near": (0.3, 0.3)}, quick=False)])
 def check_aligned(subject: Subject, case: Case) -> Outcome:
     """The same exactly, with two waves on bins of an untapered cube: no room for leakage to be blamed."""
-    cube = cubes.pair(GRIDS[case.given["grid"]], (3, 5), (-4, 4), case.given["near"])
+    cube = inputs.pair(GRIDS[case.given["grid"]], (3, 5), (-4, 4), case.given["near"])
     window = bare(subject)
 
     def judge(method: str) -> Outcome:

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from leakref._base import FloatArray
-from leakref.certify import cubes
-from leakref.certify.cubes import SEA, Cube, polar
-from leakref.certify.expected import expected, unflagged
-from leakref.certify.judging import IN_THE_MEAN, ask, bare, each_method, exactly, in_the_mean, taper, verdict
-from leakref.certify.registry import Case, Outcome, check
-from leakref.certify.statistics import excess, share
-from leakref.certify.subject import Subject
+from leakref.certify.checks import inputs
+from leakref.certify.checks.inputs import SEA, Cube, polar
+from leakref.certify.checks.expected import expected, unflagged
+from leakref.certify.checks.criteria import IN_THE_MEAN, ask, bare, each_method, exactly, in_the_mean, taper, verdict
+from leakref.certify.checks.registry import Case, Outcome, check
+from leakref.certify.checks.statistics import excess, share
+from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Unanswered, Verdict
 from leakref.dispersion import UniformCurrent
 from leakref.grid import Grid
@@ -33,7 +33,7 @@ def check_still(subject: Subject, case: Case) -> Outcome:
     """In still water a cube without a taper shows a current across a narrow sea, of the order of the phase speed of the
     waves: a taper that is missing, or missing along one axis, is seen here."""
     given = case.given
-    cube = cubes.sea(given["direction"], given["spread"], None, realization=given["realization"],
+    cube = inputs.sea(given["direction"], given["spread"], None, realization=given["realization"],
                      peakedness=given["peakedness"], wavenumbers=(1.1, 1.25, 1.5, 1.8, 2.15, 2.5))
     return each_method(subject, lambda method: in_the_mean(subject, cube, taper(subject), method))
 
@@ -45,9 +45,9 @@ def check_swell(subject: Subject, case: Case) -> Outcome:
     untapered it is all there is."""
     n = np.arange(1, 41)
     k, angle = 1.2 + 1.6 * (n * np.sqrt(2) % 1), np.radians(70 + 60 * ((n * np.sqrt(3) % 1) - 0.5))
-    local = cubes.waves(SEA, k * np.cos(angle), k * np.sin(angle), (1.9, 2.1, 2.3, 2.5))
+    local = inputs.waves(SEA, k * np.cos(angle), k * np.sin(angle), (1.9, 2.1, 2.3, 2.5))
     swell = Components(*(np.array([v]) for v in (*np.multiply(case.given["at"], local.grid.bin_widths), 60.0, 0.3)))
-    cube = Cube(cubes.together(local.components, swell), local.grid, local.wavenumbers, local.current)
+    cube = Cube(inputs.together(local.components, swell), local.grid, local.wavenumbers, local.current)
     return each_method(subject, lambda method: in_the_mean(subject, cube, taper(subject), method))
 
 
@@ -59,11 +59,11 @@ def check_flicker(subject: Subject, case: Case) -> Outcome:
         raise Unanswered(Verdict.UNSUPPORTED, "offers no NSP; what fits the strongest bins may well fit these")
     n = np.arange(1, 41)
     k, angle = 1.0 + 1.2 * (n * np.sqrt(2) % 1), 2 * np.pi * (n * np.sqrt(3) % 1)
-    local = cubes.waves(SEA, k * np.cos(angle), k * np.sin(angle), (1.4, 1.6, 1.8), UniformCurrent((0.1, 0.05)))
+    local = inputs.waves(SEA, k * np.cos(angle), k * np.sin(angle), (1.4, 1.6, 1.8), UniformCurrent((0.1, 0.05)))
     waves, strength = local.components, case.given.get("strength", 100.0)
     texture = Components(waves.kx, waves.ky, np.full(n.size, 38.5 * SEA.frequency_resolution),
                          np.full(n.size, strength), waves.phase)
-    cube = Cube(cubes.together(waves, texture), local.grid, local.wavenumbers, local.current)
+    cube = Cube(inputs.together(waves, texture), local.grid, local.wavenumbers, local.current)
     return in_the_mean(subject, cube, taper(subject), "nsp")
 
 
@@ -75,7 +75,7 @@ def check_aligned(subject: Subject, case: Case) -> Outcome:
     window, side = bare(subject), 2 * np.pi / 0.12
     grid = Grid((56, 60, 72), (side / 56, side / 60, 2 * np.pi * 10 / np.sqrt(0.6) / 72))
     rings = np.array([(5, 0), (3, 4), (-4, 3), (4, -3), (20, 0), (12, 16), (16, -12), (-12, 16), (0, -20)]) * 0.12
-    cube = cubes.waves(grid, rings[:, 0], rings[:, 1], (0.6, 2.4))
+    cube = inputs.waves(grid, rings[:, 0], rings[:, 1], (0.6, 2.4))
 
     def judge(method: str) -> Outcome:
         found, there = ask(subject, cube, window, method)
@@ -103,7 +103,7 @@ def check_bias(subject: Subject, case: Case) -> Outcome:
     worse than need be in the mean of many."""
     given, window = case.given, taper(subject)
     current = UniformCurrent(polar(given["speed"], given["direction"] + 70))
-    seas = [cubes.sea(given["direction"], given["spread"], current, realization=100 + n)
+    seas = [inputs.sea(given["direction"], given["spread"], current, realization=100 + n)
             for n in range(given["count"])]
     resolutions = seas[0].resolutions.mean(axis=1)
 

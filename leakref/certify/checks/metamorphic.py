@@ -7,12 +7,12 @@ from collections.abc import Callable
 import numpy as np
 
 from leakref._base import FloatArray
-from leakref.certify import cubes
-from leakref.certify.cubes import Cube, polar
-from leakref.certify.expected import unflagged
-from leakref.certify.judging import FRACTION, as_array, bare, each_method, taper, verdict
-from leakref.certify.registry import Case, Outcome, check
-from leakref.certify.subject import Subject
+from leakref.certify.checks import inputs
+from leakref.certify.checks.inputs import Cube, polar
+from leakref.certify.checks.expected import unflagged
+from leakref.certify.checks.criteria import FRACTION, as_array, bare, each_method, taper, verdict
+from leakref.certify.checks.registry import Case, Outcome, check
+from leakref.certify.subject.frames import Subject
 from leakref.dispersion import UniformCurrent
 
 __all__ = ["check_amplitude", "check_constant", "check_reversal", "check_shift", "check_symmetry"]
@@ -43,8 +43,8 @@ SYMMETRIES: dict[str, tuple[Change, FloatArray]] = {
 
 def _cube(window: str) -> Cube:
     if window == "box":  # far from the mirror basin, so that an untapered optimum is sharp
-        return cubes.sea(25.0, 150.0, UniformCurrent(polar(0.12, 130.0)), realization=5, wavenumbers=(1.5, 1.9, 2.3))
-    return cubes.sea(-50.0, 90.0, UniformCurrent(polar(0.15, 20.0)), realization=5, wavenumbers=(1.3, 1.6, 2.0))
+        return inputs.sea(25.0, 150.0, UniformCurrent(polar(0.12, 130.0)), realization=5, wavenumbers=(1.5, 1.9, 2.3))
+    return inputs.sea(-50.0, 90.0, UniformCurrent(polar(0.15, 20.0)), realization=5, wavenumbers=(1.3, 1.6, 2.0))
 
 
 def _related(subject: Subject, case: Case, change: Change, matrix: FloatArray, exchanged: bool = False) -> Outcome:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from leakref.certify import cubes
-from leakref.certify.cubes import GRIDS, polar
-from leakref.certify.judging import (EXACT, IN_THE_MEAN, ask, bare, each_method, exactly, in_the_mean, taper, vector,
-                                      verdict)
-from leakref.certify.registry import Case, Outcome, check
-from leakref.certify.subject import Subject
+from leakref.certify.checks import inputs
+from leakref.certify.checks.inputs import GRIDS, polar
+from leakref.certify.checks.criteria import (EXACT, IN_THE_MEAN, ask, bare, each_method, exactly, in_the_mean, taper,
+                                              vector, verdict)
+from leakref.certify.checks.registry import Case, Outcome, check
+from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Unanswered, Verdict
 from leakref.dispersion import UniformCurrent
 from leakref.sea import aligned_waves
@@ -32,7 +32,7 @@ def check_pair(subject: Subject, case: Case) -> Outcome:
     """Two waves on bins of an untapered cube fix a uniform current exactly: lengths of (n - 1) d instead of n d, the
     gravity or the root of the dispersion relation, a wrong bin or a wrong branch all show."""
     first, second = case.given["bins"]
-    cube, window = cubes.pair(GRIDS[case.given["grid"]], first, second, case.given["near"]), bare(subject)
+    cube, window = inputs.pair(GRIDS[case.given["grid"]], first, second, case.given["near"]), bare(subject)
 
     def judge(method: str) -> Outcome:
         found, there = ask(subject, cube, window, method)
@@ -50,12 +50,12 @@ def check_single(subject: Subject, case: Case) -> Outcome:
     """One wave fixes the component of the current along it and no more: what is returned along it must be right."""
     if "nsp" not in subject.declaration.methods or subject.declaration.band:
         raise Unanswered(Verdict.UNSUPPORTED, "offers no NSP; other methods may decline where one wave is all there is")
-    window, grid, (i, j) = bare(subject), cubes.sampling(GRIDS[case.given["grid"]]), case.given["bin"]
+    window, grid, (i, j) = bare(subject), inputs.sampling(GRIDS[case.given["grid"]]), case.given["bin"]
     k = np.array([i, j]) * grid.bin_widths[:2]
     size = float(np.hypot(*k))
     m = round(np.sqrt(size) / grid.frequency_resolution) + case.given["shift"]
     waves, current = aligned_waves(grid, [(i, j, m)])
-    cube = cubes.Cube(waves, grid, np.array([size]), UniformCurrent((float(current[0]), float(current[1]))))
+    cube = inputs.Cube(waves, grid, np.array([size]), UniformCurrent((float(current[0]), float(current[1]))))
     found, _ = ask(subject, cube, window, "nsp")
     along, should = float(found[0] @ k) / size, float(current @ k) / size
     return Outcome(abs(along - should) / EXACT, f"along the wave got {along:.6g}, should be {should:.6g} (its velocity "
@@ -68,9 +68,9 @@ def check_two_shells(subject: Subject, case: Case) -> Outcome:
     """Two pairs of waves, each with its own current, in shells that do not touch: a shell that is too wide, an answer
     at the wrong wavenumber or one answer for all mixes them up."""
     grid, window = GRIDS[case.given["grid"]], bare(subject)
-    low = cubes.pair(grid, (4, 1), (-2, 4), (0.2, -0.1))
-    high = cubes.pair(grid, (9, -4), (5, 8), (-0.15, 0.1))
-    both = cubes.Cube(cubes.together(low.components, high.components), low.grid,
+    low = inputs.pair(grid, (4, 1), (-2, 4), (0.2, -0.1))
+    high = inputs.pair(grid, (9, -4), (5, 8), (-0.15, 0.1))
+    both = inputs.Cube(inputs.together(low.components, high.components), low.grid,
                       np.concatenate([low.wavenumbers, high.wavenumbers]), UniformCurrent())
     should = np.concatenate([low.truth, high.truth])
 
@@ -92,5 +92,5 @@ def check_two_shells(subject: Subject, case: Case) -> Outcome:
 def check_sea(subject: Subject, case: Case) -> Outcome:
     """A broad sea under a taper, as in the field: whatever the algorithm, it is right within the resolution."""
     given = case.given
-    cube = cubes.sea(given["direction"], given["spread"], UniformCurrent(given["current"]), realization=3)
+    cube = inputs.sea(given["direction"], given["spread"], UniformCurrent(given["current"]), realization=3)
     return each_method(subject, lambda method: in_the_mean(subject, cube, taper(subject), method))

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from leakref.certify import cubes
-from leakref.certify.cubes import BRIEF, SEA, polar
-from leakref.certify.expected import unflagged
-from leakref.certify.judging import FRACTION, IN_THE_MEAN, ask, bare, each_method, in_the_mean, taper, verdict
-from leakref.certify.registry import Case, Outcome, check
-from leakref.certify.subject import Subject
+from leakref.certify.checks import inputs
+from leakref.certify.checks.inputs import BRIEF, SEA, polar
+from leakref.certify.checks.expected import unflagged
+from leakref.certify.checks.criteria import FRACTION, IN_THE_MEAN, ask, bare, each_method, in_the_mean, taper, verdict
+from leakref.certify.checks.registry import Case, Outcome, check
+from leakref.certify.subject.frames import Subject
 from leakref.dispersion import UniformCurrent
 from leakref.grid import Grid
 
@@ -27,7 +27,7 @@ def check_peak(subject: Subject, case: Case) -> Outcome:
     """The same sea with waves four times shorter or sixteen times longer: a width in rad/s, a gravity, a search range
     or a threshold that was set for one sea state gives another current, and is as sure of it."""
     window = taper(subject) if case.given["tapered"] else bare(subject)
-    cube = cubes.sea(70.0, 100.0, UniformCurrent(polar(0.2, -30.0)), realization=11, wavenumbers=(1.3, 1.6, 2.0, 2.5))
+    cube = inputs.sea(70.0, 100.0, UniformCurrent(polar(0.2, -30.0)), realization=11, wavenumbers=(1.3, 1.6, 2.0, 2.5))
 
     def judge(method: str) -> Outcome:
         found, there = ask(subject, cube, window, method)
@@ -45,6 +45,6 @@ def check_peak(subject: Subject, case: Case) -> Outcome:
 def check_duration(subject: Subject, case: Case) -> Outcome:
     """The same current seen for three, ten and eighteen periods: a width that does not follow the frequency bins is too
     narrow for the one or too wide for the other."""
-    cube = cubes.sea(70.0, 100.0, UniformCurrent(polar(0.3, 150.0)), realization=2, grid=case.given["grid"],
+    cube = inputs.sea(70.0, 100.0, UniformCurrent(polar(0.3, 150.0)), realization=2, grid=case.given["grid"],
                      wavenumbers=(1.3, 1.6, 2.0, 2.4))
     return each_method(subject, lambda method: in_the_mean(subject, cube, taper(subject), method))

@@ -6,12 +6,12 @@ import numpy as np
 import numpy.typing as npt
 
 from leakref._base import FloatArray
-from leakref.certify import cubes
-from leakref.certify.cubes import Cube
-from leakref.certify.expected import unflagged
-from leakref.certify.judging import IN_THE_MEAN, ask, each_method, in_the_mean, taper, vector
-from leakref.certify.registry import Case, Outcome, check
-from leakref.certify.subject import Subject
+from leakref.certify.checks import inputs
+from leakref.certify.checks.inputs import Cube
+from leakref.certify.checks.expected import unflagged
+from leakref.certify.checks.criteria import IN_THE_MEAN, ask, each_method, in_the_mean, taper, vector
+from leakref.certify.checks.registry import Case, Outcome, check
+from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Unanswered, Verdict
 from leakref.dispersion import ExponentialCurrent, LinearCurrent
 from leakref.grid import Grid
@@ -32,7 +32,7 @@ CASES = [Case(name, quick=not name.endswith("2")) for name in PROFILES]
 
 def _cube(case: Case) -> Cube:
     current, direction = PROFILES[case.id]
-    return cubes.sea(direction, 180.0, current, grid=GRID, wavenumbers=WAVENUMBERS)
+    return inputs.sea(direction, 180.0, current, grid=GRID, wavenumbers=WAVENUMBERS)
 
 
 def _each_wavenumber(subject: Subject) -> None:

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from leakref._base import FloatArray
-from leakref.certify import cubes
-from leakref.certify.cubes import polar
-from leakref.certify.judging import ask, bare, each_method, taper, vector
-from leakref.certify.registry import Case, Outcome, check
-from leakref.certify.subject import Subject
+from leakref.certify.checks import inputs
+from leakref.certify.checks.inputs import polar
+from leakref.certify.checks.criteria import ask, bare, each_method, taper, vector
+from leakref.certify.checks.registry import Case, Outcome, check
+from leakref.certify.subject.frames import Subject
 from leakref.dispersion import UniformCurrent
 
 __all__ = ["check_aligned", "check_sea", "image"]
@@ -60,7 +60,7 @@ def check_sea(subject: Subject, case: Case) -> Outcome:
     """A transform forward in time, rows counted downwards or columns taken for rows turn the current of a sea into
     another one of the same speed: negated, one component flipped, x and y exchanged."""
     current = UniformCurrent(polar(SPEED, case.given["direction"]))
-    cube = cubes.sea(case.given["direction"] + 60, 180.0, current, realization=7)
+    cube = inputs.sea(case.given["direction"] + 60, 180.0, current, realization=7)
     window = taper(subject)
 
     def judge(method: str) -> Outcome:
@@ -75,7 +75,7 @@ def check_sea(subject: Subject, case: Case) -> Outcome:
 def check_aligned(subject: Subject, case: Case) -> Outcome:
     """Two waves on bins leave no room for leakage: a sign slip in the 2 x 2 solve, which a sea may hide in one
     component, shows here whatever the window does."""
-    cube = cubes.pair(cubes.EVEN, (5, 3), (-2, 5), polar(SPEED, case.given["direction"]))
+    cube = inputs.pair(inputs.EVEN, (5, 3), (-2, 5), polar(SPEED, case.given["direction"]))
     window = bare(subject)
 
     def judge(method: str) -> Outcome:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from leakref._base import FloatArray
-from leakref.certify.judging import vector
-from leakref.certify.registry import Case, Outcome, check
-from leakref.certify.subject import Subject
+from leakref.certify.checks.criteria import vector
+from leakref.certify.checks.registry import Case, Outcome, check
+from leakref.certify.subject.frames import Subject
 from leakref.grid import Grid
 from leakref.sea import Components, SeaState
 

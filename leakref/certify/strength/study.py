@@ -23,14 +23,15 @@ from scipy.stats import t as student
 from leakref import fast, kept, runs, sources
 from leakref._base import FloatArray
 from leakref._output import dump, envelope, folder, plain, progress_bar, write_whole
-from leakref.certify import cubes, faults, variants
+from leakref.certify.checks import inputs
+from leakref.certify.strength import faults, variants
 from leakref.certify.choice import chosen
-from leakref.certify.faults import FAULTS, Fault
-from leakref.certify.inprocess import InProcess
-from leakref.certify.judging import NEVER
-from leakref.certify.registry import CHECKS, FAMILIES, Case, Check
-from leakref.certify.statistics import FALSE_ALARMS, share
-from leakref.certify.variants import VARIANTS
+from leakref.certify.strength.faults import FAULTS, Fault
+from leakref.certify.subject.inprocess import InProcess
+from leakref.certify.checks.criteria import NEVER
+from leakref.certify.checks.registry import CHECKS, FAMILIES, Case, Check
+from leakref.certify.checks.statistics import FALSE_ALARMS, share
+from leakref.certify.strength.variants import VARIANTS
 from leakref.certify.verdict import WRONG, Finding, Verdict
 from leakref.dispersion import Current, ExponentialCurrent, LinearCurrent, UniformCurrent
 from leakref.golden import locate
@@ -194,7 +195,7 @@ def fresh(seed: int) -> Iterator[None]:
     rng = np.random.default_rng(seed)
     turn, moved = _TURNS[rng.integers(8)], rng.uniform(-0.03, 0.03, 2)
     grids: dict[Grid, Grid] = {}
-    sea, pair = cubes.sea, cubes.pair
+    sea, pair = inputs.sea, inputs.pair
 
     def other(grid: Grid) -> Grid:
         if grid not in grids:
@@ -204,22 +205,22 @@ def fresh(seed: int) -> Iterator[None]:
         return grids[grid]
 
     def fresh_sea(direction: float, spread: float, current: Current | None = None, *, realization: int = 0,
-                  grid: Grid = cubes.SEA, **rest: Any) -> cubes.Cube:
-        x, y = turn @ np.array(cubes.polar(1.0, direction))
+                  grid: Grid = inputs.SEA, **rest: Any) -> inputs.Cube:
+        x, y = turn @ np.array(inputs.polar(1.0, direction))
         return sea(float(np.degrees(np.arctan2(y, x))), spread, _turned(current, turn),
                    realization=realization + 1000 * (seed + 1), grid=other(grid), **rest)
 
     def fresh_pair(grid: Grid, first: tuple[int, int], second: tuple[int, int],
-                   near: tuple[float, float]) -> cubes.Cube:
+                   near: tuple[float, float]) -> inputs.Cube:
         one, two = ((int(i), int(j)) for i, j in (turn @ np.array([first, second]).T).T)
         u, v = (turn @ np.array(near) + moved).tolist()
         return pair(grid, one, two, (u, v))
 
-    vars(cubes).update(sea=fresh_sea, pair=fresh_pair)
+    vars(inputs).update(sea=fresh_sea, pair=fresh_pair)
     try:
         yield
     finally:
-        vars(cubes).update(sea=sea, pair=pair)
+        vars(inputs).update(sea=sea, pair=pair)
 
 
 def variant_record(identifier: str, seed: int | None = None, *,
@@ -249,10 +250,10 @@ def _seas() -> dict[str, Mapping[str, Any]]:
 def _errors(name: str) -> dict[str, Any]:
     """Of stored realisations of a sea: mean |c - U| over the unflagged shells by method, and the smaller resolution."""
     given = _seas()[name]
-    current = UniformCurrent(cubes.polar(given["speed"], given["direction"] + 70))
+    current = UniformCurrent(inputs.polar(given["speed"], given["direction"] + 70))
     errors: dict[str, list[float]] = {"nsp": [], "ls": []}
     for number in range(_STORED):
-        cube = cubes.sea(given["direction"], given["spread"], current, realization=10_000 + number)
+        cube = inputs.sea(given["direction"], given["spread"], current, realization=10_000 + number)
         answers = fast.realize(cube.components, cube.grid, cube.wavenumbers, windows=("hann",), methods=tuple(errors))
         for method, found in errors.items():
             answer = answers["hann", method]

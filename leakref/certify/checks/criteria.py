@@ -8,10 +8,10 @@ import numpy as np
 import numpy.typing as npt
 
 from leakref._base import FloatArray
-from leakref.certify.cubes import Cube
-from leakref.certify.expected import expected, score, unflagged
-from leakref.certify.registry import Outcome
-from leakref.certify.subject import Subject
+from leakref.certify.checks.inputs import Cube
+from leakref.certify.checks.expected import expected, score, unflagged
+from leakref.certify.checks.registry import Outcome
+from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Unanswered, Verdict
 
 __all__ = ["EXACT", "FLATTER", "FRACTION", "IN_THE_MEAN", "NEVER", "ROOM", "as_array", "ask", "bare", "each_method",

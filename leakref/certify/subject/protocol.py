@@ -11,10 +11,10 @@ from typing import Any, Self
 import numpy as np
 
 from leakref._base import LeakrefError, Trouble
-from leakref.certify.child import Breach, Child
-from leakref.certify.declaration import Declaration
-from leakref.certify.exchange import Exchange
-from leakref.certify.subject import Subject
+from leakref.certify.subject.child import Breach, Child
+from leakref.certify.subject.declaration import Declaration
+from leakref.certify.subject.exchange import Exchange
+from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Unanswered, Verdict, printable
 from leakref.ending import last_resorts
 from leakref.grid import Grid

@@ -14,13 +14,13 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from leakref import blocks, files, screen
+from leakref.cubes import blocks, files, screen
 from leakref._base import FloatArray, LeakrefError, levelled, positive
 from leakref._output import console, dump, envelope, folder, write_whole
 from leakref.cases import configurations
 from leakref.chain import METHODS, analyse
 from leakref.dispersion import Scales, velocity_resolutions
-from leakref.files import UNITS, Cube
+from leakref.cubes.files import UNITS, Cube
 from leakref.grid import Grid
 from leakref.shell import EDGE_MARGIN, HALF_WIDTH, Extraction
 from leakref.spectrum import Spectrum, fourier

@@ -19,7 +19,7 @@ from scipy.optimize import minimize
 from leakref._base import FloatArray, LeakrefError
 from leakref._caches import njit
 from leakref.altered import Change, altered
-from leakref.certify.faults import Named
+from leakref.certify.strength.faults import Named
 from leakref.chain import Reference, reference
 from leakref.sea import Components
 from leakref.shell import Note

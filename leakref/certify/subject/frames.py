@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from leakref._base import FloatArray
-from leakref.certify.declaration import Declaration
+from leakref.certify.subject.declaration import Declaration
 from leakref.certify.verdict import Unanswered, Verdict
 from leakref.sea import Components
 from leakref.window import WINDOWS, window as named_window

@@ -18,7 +18,7 @@ from scipy import fft
 from leakref import chain, fast, leakage, runs
 from leakref._output import dump, envelope, folder, progress_bar, write_whole
 from leakref.cases import Configuration, configurations
-from leakref.limits import (MATRIX, MATRIX_ONE, MEMORY, Machine, closed_form_products, fast_products, fft_traffic,
+from leakref.bench.limits import (MATRIX, MATRIX_ONE, MEMORY, Machine, closed_form_products, fast_products, fft_traffic,
                             magnitudes_traffic, seconds, synthesis_products)
 from leakref.sea import Components
 from leakref.shell import HALF_WIDTH, Extraction

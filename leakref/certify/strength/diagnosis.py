@@ -23,13 +23,13 @@ import numpy as np
 import numpy.typing as npt
 
 from leakref._base import FloatArray, LeakrefError
-from leakref.certify import faults
+from leakref.certify.strength import faults
 from leakref.certify.certificate import SOUND, Certificate
 from leakref.certify.choice import chosen
-from leakref.certify.declaration import Declaration
-from leakref.certify.inprocess import InProcess
-from leakref.certify.registry import Case, Check
-from leakref.certify.subject import Call
+from leakref.certify.subject.declaration import Declaration
+from leakref.certify.subject.inprocess import InProcess
+from leakref.certify.checks.registry import Case, Check
+from leakref.certify.subject.frames import Call
 from leakref.certify.verdict import WRONG, Finding, Verdict
 from leakref.chain import METHODS
 

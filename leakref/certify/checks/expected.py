@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from leakref import fast
 from leakref._base import FloatArray
-from leakref.certify.cubes import Cube
+from leakref.certify.checks.inputs import Cube
 from leakref.nsp import WIDTH, normalized_scalar_product
 from leakref.shell import Extraction, shell_at
 from leakref.spectrum import Spectrum, fourier

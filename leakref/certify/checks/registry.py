@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from leakref.certify import cubes
-from leakref.certify.subject import Subject
+from leakref.certify.checks import inputs
+from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Finding, Unanswered, Verdict
 
 __all__ = ["CHECKS", "FAMILIES", "Case", "Check", "Outcome", "check"]
@@ -75,7 +75,7 @@ class Check:
                         repro=f"leakref certify TARGET --only '{identifier}' --keep FOLDER")
         subject.calls.clear()
         try:
-            with cubes.sampled(square="dy" in subject.declaration.fixed):
+            with inputs.sampled(square="dy" in subject.declaration.fixed):
                 outcome = self.function(subject, case)
         except Unanswered as nothing:
             return replace(blank, verdict=nothing.verdict, message=nothing.message, calls=tuple(subject.calls))

@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy import io
 
-from leakref import files
+from leakref.cubes import files
 from leakref._base import LeakrefError
 from leakref._output import dump, folder, write_whole
 from leakref.certify.verdict import Unanswered, Verdict, printable

@@ -1,7 +1,7 @@
 # mypy: disallow-untyped-defs=False
 """The whole chain in closed form and compiled: what `leakage`, `shell`, `nsp` and `leastsquares` give, sooner.
 
-Those are the reference, and tests hold this against them. `fastspectra` makes the magnitudes, `fastscore` climbs the
+Those are the reference, and tests hold this against them. `spectra` makes the magnitudes, `score` climbs the
 scores; here they come together. The result is the same to the last bit on one machine as long as the products run on
 one thread.
 """
@@ -27,9 +27,9 @@ from leakref.shell import (_ROUNDING, EDGE_MARGIN, HALF_WIDTH, Extraction, Note,
                            collect, nothing, shell_at, velocity_unit)
 from leakref.spectrum import Spectrum
 from leakref.window import window as named_window
-from leakref.fastscore import (DENSE, KEPT, ORDER, POOL, Models, Ring, climb, least_squares, only_leaked, outdone,
+from leakref.fast.score import (DENSE, KEPT, ORDER, POOL, Models, Ring, climb, least_squares, only_leaked, outdone,
                                peaks, pool, principal)
-from leakref.fastspectra import Disc, magnitudes
+from leakref.fast.spectra import Disc, magnitudes
 
 __all__ = ["realize"]
 

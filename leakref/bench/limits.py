@@ -10,7 +10,7 @@ from time import perf_counter
 import numpy as np
 
 from leakref import runs
-from leakref.fastspectra import Disc, _Axis, _Band
+from leakref.fast.spectra import Disc, _Axis, _Band
 from leakref.grid import Grid
 from leakref.sea import Components
 from leakref.shell import HALF_WIDTH
@@ -81,7 +81,7 @@ def closed_form_products(waves: Components, grid: Grid, reach: float, windows: i
 
 
 def fast_products(waves: Components, grid: Grid, reach: float, stencil: int = 1) -> float:
-    """Real multiply-adds of `fast.realize`, as `fastspectra` arranges them: all windows come from one pass."""
+    """Real multiply-adds of `fast.realize`, as `fast.spectra` arranges them: all windows come from one pass."""
     rows, columns = _lattice(waves)
     extents = Disc(grid, reach).extents(stencil)
     band = _Band(_Axis(waves.omega / grid.frequency_resolution, grid.shape[2]), stencil)

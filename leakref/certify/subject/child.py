@@ -22,7 +22,7 @@ import psutil
 
 from leakref._base import refusal
 from leakref._output import dump
-from leakref.certify import guardian, memory
+from leakref.certify.subject import guardian, memory
 from leakref.certify.verdict import Unanswered, Verdict, printable
 
 __all__ = ["Breach", "Child"]

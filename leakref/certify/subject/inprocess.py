@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from leakref.certify.declaration import STAGES, Declaration
-from leakref.certify.subject import Subject
+from leakref.certify.subject.declaration import STAGES, Declaration
+from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Unanswered, Verdict
 from leakref.sea import Components
 
