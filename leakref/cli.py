@@ -196,7 +196,7 @@ def export(
     json: Json = False,
 ) -> bool:
     """A cube of a paper case with its truth, for any code to try."""
-    from leakref.cubes.commands import export as run
+    from leakref.cubes.exporting import export as run
 
     return run(case, realization=realization, format=format, out=out, peak_wavenumber=peak_wavenumber, gravity=gravity,
                json=json)

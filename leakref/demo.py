@@ -15,11 +15,11 @@ from leakref import chain
 from leakref._base import FloatArray
 from leakref._output import console, dump, envelope, folder, progress_bar, write_whole
 from leakref.cases import Configuration, configurations
-from leakref.certify.choice import chosen
+from leakref.certify.runner import chosen
 from leakref.certify.strength.diagnosis import explained
 from leakref.certify.strength.faults import FAULTS
 from leakref.certify.subject.inprocess import InProcess
-from leakref.certify.judge import certify
+from leakref.certify.runner import certify
 from leakref.certify.report import page as render
 from leakref.certify.targets import load
 from leakref.ensemble import Ensemble

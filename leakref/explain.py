@@ -64,7 +64,7 @@ def _list(*, json: bool) -> bool:
 
 
 def _names() -> Iterator[str]:
-    from leakref.certify.choice import chosen
+    from leakref.certify.runner import chosen
     from leakref.certify.strength.faults import FAULTS
     from leakref.certify.checks.registry import FAMILIES
     from leakref.certify.strength.variants import VARIANTS
@@ -77,7 +77,7 @@ def _names() -> Iterator[str]:
 
 
 def _check(identifier: str) -> Explanation | None:
-    from leakref.certify.choice import chosen
+    from leakref.certify.runner import chosen
 
     name, _, rest = identifier.partition("[")
     matches = [(c, case) for c, case in chosen() if c.id == name and (not rest or f"[{case.id}]" == f"[{rest}")]
@@ -100,7 +100,7 @@ def _killed_by(check: str) -> list[str]:
 
 
 def _family(identifier: str) -> Explanation | None:
-    from leakref.certify.choice import chosen
+    from leakref.certify.runner import chosen
     from leakref.certify.checks.registry import FAMILIES
 
     if identifier not in FAMILIES:
@@ -172,7 +172,7 @@ def _shifts(identifier: str) -> list[str]:
 
 
 def _golden(identifier: str) -> Explanation | None:
-    from leakref.golden import Golden
+    from leakref.golden.sets import Golden
 
     try:
         entry = Golden().entry(identifier)

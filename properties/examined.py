@@ -14,7 +14,7 @@ from hypothesis import reject
 from leakref import chain
 from leakref._base import FloatArray
 from leakref.certify.checks.inputs import Cube
-from leakref.certify.checks.expected import unflagged
+from leakref.certify.checks.criteria import unflagged
 from leakref.certify.subject.inprocess import InProcess
 from leakref.certify.checks.criteria import FRACTION, vector
 from leakref.certify.subject.frames import Subject

@@ -32,7 +32,7 @@ def opened(target: str | None, command: str | None, profile: str = "quick") -> t
     """What is to be examined, and what closes it. Raises LeakrefError, HarnessBroken, or what an import raises."""
     if target is not None:
         return examined(target), lambda: None
-    from leakref.certify.connect import Limits, connect
+    from leakref.certify.targets import Limits, connect
 
     try:
         words = shlex.split(str(command))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from leakref.certify.choice import chosen
+from leakref.certify.runner import chosen
 from leakref.certify.pytesting import settle
 from leakref.certify.checks.registry import Case, Check
 from leakref.plugin import ASKED

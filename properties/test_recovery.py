@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 
 from leakref.certify.checks.inputs import Cube
-from leakref.certify.checks.expected import score
+from leakref.certify.checks.criteria import score
 from leakref.certify.checks.criteria import EXACT, FLATTER, exactly, vector
 from .examined import PRECISION, Examined
 from .strategies import examples, pairs, singles

@@ -8,7 +8,7 @@ import numpy as np
 from hypothesis import given, strategies as st
 
 from leakref.certify.checks.inputs import Cube
-from leakref.certify.checks.expected import unflagged
+from leakref.certify.checks.criteria import unflagged
 from .examined import PRECISION, Examined, same
 from .strategies import examples, seas
 

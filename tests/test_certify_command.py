@@ -13,7 +13,7 @@ from test_commands import here, leakref as command
 from leakref import LeakrefError
 from leakref.certify import commands
 from leakref.certify.certificate import schema
-from leakref.certify.choice import chosen
+from leakref.certify.runner import chosen
 from leakref.certify.verdict import Finding, Verdict
 from leakref.explain import explained
 

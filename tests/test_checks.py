@@ -10,9 +10,9 @@ import pytest
 from leakref import Components, Grid, LeakrefError
 from leakref.certify.checks import criteria, inputs, registry
 from leakref.certify.checks.signs import image
-from leakref.certify.choice import chosen, run_check
+from leakref.certify.runner import chosen, run_check
 from leakref.certify.checks.inputs import SEA, SHELLS, pair, sea
-from leakref.certify.checks.expected import expected, score, unflagged
+from leakref.certify.checks.criteria import expected, score, unflagged
 from leakref.certify.subject.inprocess import InProcess
 from leakref.certify.checks.registry import CHECKS, FAMILIES, Outcome
 from leakref.certify.checks.statistics import FALSE_ALARMS, TESTS, excess, share

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from leakref.altered import altered
-from leakref.certify.strength import faults, study
+from leakref.certify.strength import faults
+from leakref.certify.strength import study
 from leakref.certify.certificate import Certificate
-from leakref.certify.choice import chosen, judged
+from leakref.certify.runner import chosen, judged
 from leakref.certify.strength.diagnosis import ENOUGH, departure, diagnose, explained
 from leakref.certify.strength.faults import FAULTS, implementation
 from leakref.certify.subject.inprocess import InProcess

@@ -15,7 +15,7 @@ import pytest
 import yaml
 
 from leakref.certify import scaffold
-from leakref.certify.choice import chosen
+from leakref.certify.runner import chosen
 from leakref.certify.subject.inprocess import InProcess
 from leakref.certify.verdict import Verdict
 

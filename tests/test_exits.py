@@ -21,7 +21,7 @@ from test_commands import here
 
 from leakref import ending, runs
 from leakref._base import LeakrefError, Trouble, refusal
-from leakref.golden import digest
+from leakref.golden.digests import digest
 from leakref.track import history
 
 MAIN = [sys.executable, "-c", "from leakref.cli import main; main()"]

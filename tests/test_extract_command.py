@@ -15,7 +15,8 @@ import xarray
 from typer.testing import CliRunner
 
 from leakref import Components, Grid, LeakrefError, Scales, SeaState, UniformCurrent, chain, synthesize
-from leakref.cubes import commands, files
+from leakref.cubes import commands, wavenumbers
+from leakref.cubes import files
 from leakref.cases import configurations
 from leakref.cli import app
 from leakref.dispersion import velocity_resolutions
@@ -144,21 +145,21 @@ def test_the_current_is_found_where_there_is_signal(sea):
 
 
 def test_wavenumbers_as_list_and_as_range():
-    assert commands.parse_wavenumbers("0.4,0.5").tolist() == [0.4, 0.5]
-    np.testing.assert_allclose(commands.parse_wavenumbers("0.4:3.5:0.1"), np.linspace(0.4, 3.5, 32), rtol=1e-14)
-    assert commands.parse_wavenumbers("2:2:1").tolist() == [2]
+    assert wavenumbers.parse_wavenumbers("0.4,0.5").tolist() == [0.4, 0.5]
+    np.testing.assert_allclose(wavenumbers.parse_wavenumbers("0.4:3.5:0.1"), np.linspace(0.4, 3.5, 32), rtol=1e-14)
+    assert wavenumbers.parse_wavenumbers("2:2:1").tolist() == [2]
     for bad in ("", "a", "1,,2", "1:2", "2:1:0.1", "1:2:0", "1:2:-1", "nan", "1:2:1e-9", "1:2:3:4"):
         with pytest.raises(LeakrefError, match="--wavenumbers"):
-            commands.parse_wavenumbers(bad)
+            wavenumbers.parse_wavenumbers(bad)
 
 
 def test_default_wavenumbers_fill_what_is_whole():
     dk = GRID.wavenumber_resolution
-    k = commands.default_wavenumbers(GRID)
+    k = wavenumbers.default_wavenumbers(GRID)
     assert k[0] == 4 * dk
     assert k[-1] + 2 * dk < np.pi / 0.6 <= k[-1] + 3 * dk
     with pytest.raises(LeakrefError, match="no whole shell"):
-        commands.default_wavenumbers(Grid((8, 8, 8), (1, 1, 1)))
+        wavenumbers.default_wavenumbers(Grid((8, 8, 8), (1, 1, 1)))
 
 
 def test_npy_in_any_order_with_spacing(sea, tmp_path):

@@ -13,7 +13,8 @@ from typer.testing import CliRunner
 
 import leakref
 from leakref import Grid, LeakrefError, SeaState, UniformCurrent, chain
-from leakref.cubes import blocks, files
+from leakref.cubes import blocks
+from leakref.cubes import files
 from leakref.cli import app
 
 GRID = Grid((20, 22, 32), (0.8, 0.75, 0.9))

@@ -6,13 +6,13 @@ import pytest
 from leakref import LeakrefError
 from leakref.altered import Change
 from leakref.certify.strength import faults
-from leakref.certify.choice import chosen
+from leakref.certify.runner import chosen
 from leakref.certify.strength.faults import FAULTS, Fault, implementation
 from leakref.certify.subject.inprocess import InProcess
 from leakref.certify.checks.registry import FAMILIES
 from leakref.certify.strength.study import DISTINCT, _over, fault_record
 from leakref.chain import reference
-from leakref.golden import Golden
+from leakref.golden.sets import Golden
 
 PINNED = ("negated-current", "flipped-x", "flipped-y", "exchanged-axes", "solve-sign-slip", "hard-coded-width",
           "extra-branch", "missing-negative-branch", "no-taper", "two-thirds-energy", "nan-as-number")

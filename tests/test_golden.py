@@ -18,16 +18,18 @@ import numpy as np
 import pytest
 
 import leakref
-from leakref import LeakrefError, golden
+from leakref import LeakrefError
 from leakref._base import Damaged
-from leakref.golden import Entry, Golden, compare, lint, making, same
+from leakref.golden import entries, ids, making, records, same, sets, verifying
+from leakref.golden.linting import lint
+from leakref.golden.sets import Entry, Golden, compare
 from leakref.golden.stages import STAGES
 from leakref.golden.vectors import VECTORS
 
 from test_commands import leakref as command
 
 pytestmark = pytest.mark.stored
-SET = Path(str(golden.locate()))
+SET = Path(str(sets.locate()))
 ALL = list(Golden().entries())
 HOUSE = Path(leakref.__file__).parent
 FAULTS = {"negated-current", "flipped-x", "flipped-y", "exchanged-axes", "solve-sign-slip", "hard-coded-width",
@@ -83,18 +85,18 @@ def test_the_definitions_are_those_the_set_was_made_from():
 
 @pytest.mark.parametrize("entry", of("vectors", "analytic"))
 def test_the_chain_reproduces(entry):
-    failures = making.verify_entry(entry)
+    failures = verifying.verify_entry(entry)
     assert not failures, "\n".join(map(str, failures))
 
 
 @pytest.mark.parametrize("entry", [p for p in of("vectors", "analytic") if p.id in WITNESSED])
 def test_the_witness_with_40_digits_reproduces(entry):
-    failures = making.verify_entry(entry, with_witness=True)
+    failures = verifying.verify_entry(entry, with_witness=True)
     assert not failures, "\n".join(map(str, failures))
 
 
 def realizations(quick):
-    return [p for p in of("realizations") if making._is_quick(p.values[0]) == quick]
+    return [p for p in of("realizations") if verifying._is_quick(p.values[0]) == quick]
 
 
 @pytest.mark.parametrize("entry", some(realizations(True), "not in the set"))
@@ -103,7 +105,7 @@ def test_a_paper_case_is_reproduced(entry):
         part = next(p for p in Golden().manifest["parts"] if p["name"] == "realizations")
         assert part["state"] in ("absent", "partial")
         return
-    failures = making._verify_realizations([entry], False, None, 1, lambda: None)
+    failures = verifying._verify_realizations([entry], False, None, 1, lambda: None)
     assert not failures, "\n".join(map(str, failures))
 
 
@@ -118,7 +120,7 @@ def test_every_ensemble_is_reproduced(tmp_path):
     entries = [e for e in ALL if e.stage == "ensemble"]
     part = next(p for p in Golden().manifest["parts"] if p["name"] == "ensembles")
     assert len(entries) == part["entries"]
-    failures = making._verify_ensembles(entries, "B", tmp_path, 2, lambda: None)
+    failures = verifying._verify_ensembles(entries, "B", tmp_path, 2, lambda: None)
     assert not failures, "\n".join(map(str, failures))
 
 
@@ -127,7 +129,7 @@ def test_every_ensemble_is_reproduced(tmp_path):
 
 def entry(**record):
     base = {"id": "the-id", "stage": "window", "purpose": "a test", "input": {}, "output": {"v": [1.0, 2.0]},
-            "accuracy": {"v": {"digits": 15.0, "conditioning": 1.0, "tolerance": golden.tolerance(1.0)}}}
+            "accuracy": {"v": {"digits": 15.0, "conditioning": 1.0, "tolerance": sets.tolerance(1.0)}}}
     return Entry("vectors/x.json", {**base, **record})
 
 
@@ -141,7 +143,7 @@ def test_what_differs_is_named(found, said):
 
 
 def test_within_the_tolerance_is_the_same_and_null_wants_no_number():
-    assert not compare(entry(), {"v": [1.0, 2.0 + golden.tolerance(0.9)]})
+    assert not compare(entry(), {"v": [1.0, 2.0 + sets.tolerance(0.9)]})
     null = entry(output={"v": [1.0, None]})
     assert not compare(null, {"v": [1.0, np.nan]})
     assert compare(null, {"v": [1.0, 0.0]})
@@ -149,9 +151,9 @@ def test_within_the_tolerance_is_the_same_and_null_wants_no_number():
 
 
 def test_the_formula_of_the_tolerance():
-    assert golden.tolerance(3.0) == 8 * 2.0**-52 * 3.0
-    assert golden.agreed_digits(0.0, 1.0) == 15.6
-    assert golden.agreed_digits(1e-9, 10.0) == 10.0
+    assert sets.tolerance(3.0) == 8 * 2.0**-52 * 3.0
+    assert sets.agreed_digits(0.0, 1.0) == 15.6
+    assert sets.agreed_digits(1e-9, 10.0) == 10.0
 
 
 # ---------------------------------------------------------------- protection
@@ -274,6 +276,14 @@ def swap(folder, old, new):
 # ---------------------------------------------------------------- making
 
 
+def put_in_place(monkeypatch, name, value):
+    """Another value of a constant in every module that makes golden values."""
+    for module in (ids, entries, records, making, verifying):
+        if hasattr(module, name):
+            monkeypatch.setattr(module, name, value)
+
+
+
 def test_writing_what_was_read_gives_the_same_bytes(tmp_path):
     for file in FILES:
         for name in making._write(tmp_path, file, [e for e in ALL if e.file == file]):
@@ -302,7 +312,7 @@ def test_only_what_is_named_is_replaced(small):
     making._write_manifest(folder)  # as if somebody had covered it up
     edited = path.read_bytes()
     assert lint(Golden(folder)).ok
-    assert not making.verify(Golden(folder)).ok
+    assert not verifying.verify(Golden(folder)).ok
     rows, settled = making.regenerate([], folder)
     assert not settled
     (row,) = (row for row in rows if row["change"] != "same")
@@ -329,8 +339,9 @@ def test_what_was_changed_is_not_covered_up_by_making_something_else(small):
 
 
 def test_what_was_made_before_an_interruption_is_whole(small, monkeypatch):
-    make = making._vector
-    monkeypatch.setattr(making, "_vector", lambda v, *rest: {}["gone"] if v.id == "grid-small" else make(v, *rest))
+    make = entries.vector_record
+    monkeypatch.setattr(
+        entries, "vector_record", lambda v, *rest: {}["gone"] if v.id == "grid-small" else make(v, *rest))
     with pytest.raises(KeyError, match="gone"):
         making.regenerate(["grid-rounded", "grid-small"], small)
     assert lint(Golden(small)).ok
@@ -368,7 +379,7 @@ def rounded(value, relative):
 
 def redefined(monkeypatch, relative):
     """All inputs of vectors as they would be computed elsewhere."""
-    monkeypatch.setattr(making, "VECTORS", {part: tuple(replace(v, input=rounded(v.input, relative)) for v in members)
+    put_in_place(monkeypatch, "VECTORS", {part: tuple(replace(v, input=rounded(v.input, relative)) for v in members)
                                             for part, members in VECTORS.items()})
 
 
@@ -441,7 +452,9 @@ def test_alike_but_for_rounding(a, b, alike):
 ELSEWHERE = """
 import sys
 from pathlib import Path
-from leakref.golden import Golden, lint, making, same
+from leakref.golden.sets import Golden
+from leakref.golden.linting import lint
+from leakref.golden import making, same, verifying
 folder = Path(sys.argv[1])
 made = {e.id: e for e in Golden().entries()}
 for vector in (v for members in making.VECTORS.values() for v in members):
@@ -449,7 +462,7 @@ for vector in (v for members in making.VECTORS.values() for v in members):
     assert all(value is made[vector.id].input[name] for name, value in found.items()), vector.id
 rows, settled = making.regenerate([], folder)
 assert settled, [row for row in rows if row["change"] != "same"]
-assert lint(Golden(folder)).ok and making.verify(Golden(folder)).ok
+assert lint(Golden(folder)).ok and verifying.verify(Golden(folder)).ok
 """
 
 
@@ -499,12 +512,12 @@ def test_a_realisation_is_made_by_both_routes_and_found_again_when_interrupted(s
     for key, notes in entry.record["notes"].items():
         plain = np.array([not said for said in notes])
         assert np.nanmax(np.asarray(entry.record["accuracy"][key]["tolerance"], dtype=float)[plain]) <= 1.001e-11
-    assert making.verify(Golden(small), full=True, work=tmp_path).ok
+    assert verifying.verify(Golden(small), full=True, work=tmp_path).ok
 
     def made_again(*_):
         raise AssertionError("it was there")
 
-    monkeypatch.setattr(making, "_realization", made_again)
+    monkeypatch.setattr(entries, "_realization", made_again)
     rows, _ = making.regenerate([name], small, work=tmp_path)
     assert rows[0]["change"] == "same"
     path = small / "realizations/L-T.json"
@@ -512,14 +525,14 @@ def test_a_realisation_is_made_by_both_routes_and_found_again_when_interrupted(s
     path.write_text(path.read_text(encoding="utf-8").replace(repr(value), repr(value + 1e-10)), encoding="utf-8")
     assert {f.id for f in lint(Golden(small)).failures} == {name}
     making._write_manifest(small)
-    (failure,) = making.verify(Golden(small)).failures
+    (failure,) = verifying.verify(Golden(small)).failures
     assert failure.id == name
     assert "hann_nsp[3, 1]" in failure.message
 
 
 def test_ensembles_are_made_and_checked(small, tmp_path, work, monkeypatch):
-    monkeypatch.setattr(making, "REALIZATIONS", 2)
-    monkeypatch.setattr(making, "_CERTIFIED", (0,))
+    put_in_place(monkeypatch, "REALIZATIONS", 2)
+    put_in_place(monkeypatch, "CERTIFIED", (0,))
     with pytest.raises(LeakrefError, match=r"has its digits from realization-L-T/L=5,T=10/0, which is not there"):
         making.regenerate(["ensemble-L-T/L=5,T=10/*"], small, work=tmp_path)
     making.regenerate(["realization-L-T/L=5,T=10/0"], small, work=work)
@@ -532,7 +545,7 @@ def test_ensembles_are_made_and_checked(small, tmp_path, work, monkeypatch):
     assert entry.output["count"].tolist() == [2] * 16
     both = Golden(small).entry("realization-L-T/L=5,T=10/0").record["accuracy"]["hann_nsp"]["digits"]
     assert entry.record["accuracy"]["bias"]["digits"] == both < 15.6 == entry.record["accuracy"]["count"]["digits"]
-    assert making.verify(Golden(small), full=True, work=tmp_path).ok
+    assert verifying.verify(Golden(small), full=True, work=tmp_path).ok
 
 
 # ---------------------------------------------------------------- commands
@@ -645,9 +658,9 @@ def rewritten(module, old, new):
     finder = Rewriter()
     sys.meta_path.insert(0, finder)
     try:
-        making = import_module("leakref.golden.making")
+        verifying = import_module("leakref.golden.verifying")
         assert Rewriter.used
-        yield making
+        yield verifying
     finally:
         sys.meta_path.remove(finder)
         for name in ours():
@@ -655,11 +668,11 @@ def rewritten(module, old, new):
         sys.modules.update(kept)
 
 
-def first_to_see(making, through):
+def first_to_see(verifying, through):
     """The first stage along the chain whose vectors fail, and what they say; looks no further than `through`."""
     order = list(STAGES)[: list(STAGES).index(through) + 1]
     for e in sorted((e for e in ALL if e.stage in order), key=lambda e: order.index(e.stage)):
-        failures = making.verify_entry(e)
+        failures = verifying.verify_entry(e)
         if failures:
             return e.stage, failures
     return None, []
@@ -673,8 +686,8 @@ def percent(where, number, factor):
 
 
 def seen(module, old, new, stage):
-    with np.errstate(all="ignore"), rewritten(module, old, new) as making:
-        found, failures = first_to_see(making, stage)
+    with np.errstate(all="ignore"), rewritten(module, old, new) as verifying:
+        found, failures = first_to_see(verifying, stage)
     assert found == stage, f"{module}: {old!r} -> {new!r} was seen by {found}, not by {stage}: {failures[:2]}"
 
 
@@ -701,5 +714,5 @@ def test_a_constant_in_other_form_is_seen_where_it_acts(module, old, new, stage)
 
 
 def test_the_package_unchanged_sees_nothing():
-    with rewritten("grid", "SPACING = 1 / 28", "SPACING = 1 / 28") as making:
-        assert first_to_see(making, "figures") == (None, [])
+    with rewritten("grid", "SPACING = 1 / 28", "SPACING = 1 / 28") as verifying:
+        assert first_to_see(verifying, "figures") == (None, [])

@@ -16,7 +16,8 @@ import leakref
 from leakref._base import Damaged
 from leakref.certify.strength import study
 from leakref.claims import stored
-from leakref.golden import Golden, beside, commands
+from leakref.golden.sets import Golden
+from leakref.golden import beside, commands
 from leakref.track import commands as track
 from leakref.track import history
 from leakref.track.tracking import Series

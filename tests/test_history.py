@@ -9,7 +9,7 @@ import pytest
 
 from leakref import LeakrefError
 from leakref.track import history
-from leakref.golden import digest
+from leakref.golden.digests import digest
 
 
 def fields(label, target="mine", **more):

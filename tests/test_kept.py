@@ -12,7 +12,7 @@ from leakref import kept
 from leakref.cases import Configuration
 from leakref.claims import evidence, shifts
 from leakref.claims.variants import VARIANTS
-from leakref.golden import making
+from leakref.golden import entries
 
 SMALL = Configuration("small", direction=60, spread=45, length=2, duration=4)
 ABOUT = {"id": "one", "numbers": (1, 2.5), "source": "abc"}
@@ -99,12 +99,12 @@ def test_golden_entries_in_work_are_of_their_id(tmp_path):
         return {"id": name, "value": [1.5, None]}
 
     for name in ("a", "b", "a"):
-        assert making._resumed(name, tmp_path, lambda name=name: make(name)) == {"id": name, "value": [1.5, None]}
+        assert entries._resumed(name, tmp_path, lambda name=name: make(name)) == {"id": name, "value": [1.5, None]}
     assert made == ["a", "b"]
-    a, b = (tmp_path / "entries" / f"{kept.key({'id': name, 'source': making._source_digest()})}.json"
+    a, b = (tmp_path / "entries" / f"{kept.key({'id': name, 'source': entries._source_digest()})}.json"
             for name in "ab")
     shutil.copy(b, a)
-    assert making._resumed("a", tmp_path, lambda: make("a"))["id"] == "a"
+    assert entries._resumed("a", tmp_path, lambda: make("a"))["id"] == "a"
     edited(b, lambda content: content["record"].update(value=[1.5, 2.0]))
-    assert making._resumed("b", tmp_path, lambda: make("b"))["value"] == [1.5, None]
+    assert entries._resumed("b", tmp_path, lambda: make("b"))["value"] == [1.5, None]
     assert made == ["a", "b", "a", "b"]

@@ -12,7 +12,7 @@ from tools import requires
 from leakref.cubes import files
 from leakref.cases import Configuration
 from leakref.dispersion import Scales
-from leakref.golden import Golden, locate
+from leakref.golden.sets import Golden, locate
 
 
 @pytest.fixture(scope="module")

@@ -14,7 +14,7 @@ from leakref import LeakrefError, Scales, ensemble, runs
 from leakref.cases import configurations
 from leakref.cli import app
 from leakref.ensemble import Ensemble
-from leakref.golden import Golden
+from leakref.golden.sets import Golden
 from leakref.planning import plan
 from leakref.planning.advice import advice, ranges
 from leakref.planning.command import parse_sweep

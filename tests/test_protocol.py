@@ -20,7 +20,7 @@ import pytest
 
 from leakref import LeakrefError
 from leakref.certify.subject import child, memory
-from leakref.certify.connect import HarnessBroken, Limits, connect
+from leakref.certify.targets import HarnessBroken, Limits, connect
 from leakref.certify.subject.declaration import Declaration
 from leakref.certify.subject.protocol import ProcessSubject
 from leakref.certify.verdict import Unanswered

@@ -12,10 +12,10 @@ from pathlib import Path
 import pytest
 from tools import iwave_python, requires
 
-from leakref.certify.choice import chosen
-from leakref.certify.connect import connect
+from leakref.certify.runner import chosen
+from leakref.certify.targets import connect
 from leakref.certify.strength.diagnosis import explained
-from leakref.certify.judge import certify
+from leakref.certify.runner import certify
 
 HERE = Path(__file__).parent / "real_codes"
 SOME = ("signs.sea[to-22.5]", "signs.aligned[to-112.5]", "recovery.pair[odd-1]", "recovery.single[even]",

@@ -11,7 +11,7 @@ import pytest
 
 from leakref.certify.bias import SEAS, bias, figure
 from leakref.certify.certificate import Certificate, Known
-from leakref.certify.choice import chosen
+from leakref.certify.runner import chosen
 from leakref.certify.subject.inprocess import InProcess
 from leakref.certify.report import badge, page
 from leakref.certify.verdict import Finding, Verdict

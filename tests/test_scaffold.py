@@ -12,7 +12,7 @@ from tools import requires
 
 from leakref import Grid, LeakrefError, aligned_waves, synthesize
 from leakref.certify import scaffold
-from leakref.certify.connect import connect
+from leakref.certify.targets import connect
 from leakref.certify.verdict import Unanswered
 from leakref.window import window
 

@@ -14,14 +14,14 @@ import leakref
 from leakref import altered, runs, sources
 from leakref.certify.strength import study
 from leakref.claims import evidence, shifts
-from leakref.golden import making
+from leakref.golden import entries
 
 from test_architecture import EVERY, mentioned
 
 HOUSE = Path(leakref.__file__).parent
 PROJECT = HOUSE.parent
 ENTRIES = ("leakref.runs", "leakref.claims.evidence", "leakref.claims.shifts", "leakref.certify.strength.study",
-           "leakref.golden.making")
+           "leakref.golden.entries")
 CHAIN = {"leakref", *(f"leakref.{name}" for name in (
     "_base", "grid", "dispersion", "sea", "synthesis", "window", "spectrum", "leakage", "shell", "nsp", "leastsquares",
     "chain", "cases", "ensemble", "fast", "fast.spectra", "fast.score"))}
@@ -75,7 +75,7 @@ CHECKS = {name for name in EVERY if name.startswith("leakref.certify.checks.")} 
 
 def test_stored_results_are_named_by_those_digests(monkeypatch):
     monkeypatch.setattr(sources, "version", lambda name: {"numba": "0"}.get(name, "1"))
-    digests = (runs.source_digest, evidence.source_digest, shifts._source_digest, making._source_digest)
+    digests = (runs.source_digest, evidence.source_digest, shifts._source_digest, entries._source_digest)
     for entry, digest in zip(ENTRIES[:3] + ENTRIES[4:], digests, strict=True):
         assert digest.__wrapped__() == sources.digest(entry)
     manifest = study.locate().joinpath("manifest.json").read_bytes()

@@ -9,13 +9,16 @@ from scipy.stats import binomtest
 
 from leakref.altered import Change
 from leakref.certify.checks import inputs
-from leakref.certify.strength import faults, study
-from leakref.certify.choice import chosen
+from leakref.certify.strength import faults
+from leakref.certify.strength import alarms, study
+from leakref.certify.runner import chosen
 from leakref.certify.strength.faults import FAULTS, Fault
 from leakref.certify.subject.inprocess import InProcess
 from leakref.certify.checks.registry import CHECKS, FAMILIES
 from leakref.certify.checks.statistics import excess, share
-from leakref.certify.strength.study import Job, classes, compute, false_alarms, fault_record, fresh, problems
+from leakref.certify.strength.study import Job, classes, compute, fault_record, problems
+from leakref.certify.strength.alarms import false_alarms
+from leakref.certify.strength.fresh import _TURNS, fresh
 from leakref.certify.strength.variants import VARIANTS
 from leakref.chain import reference
 
@@ -144,9 +147,9 @@ def test_every_family_that_looks_at_seas_sees_fresh_ones(family):
 
 
 def test_the_turns_are_the_eight_of_the_square():
-    turns = {tuple(turn.ravel()) for turn in study._TURNS}
+    turns = {tuple(turn.ravel()) for turn in _TURNS}
     assert len(turns) == 8
-    assert all(np.array_equal(t @ t.T, np.eye(2)) for t in study._TURNS)
+    assert all(np.array_equal(t @ t.T, np.eye(2)) for t in _TURNS)
 
 
 def test_classes_are_faults_with_the_same_effects():
@@ -166,7 +169,7 @@ def test_the_null_resampling_uses_the_statistic_of_the_check():
 def test_false_alarms_of_well_behaved_errors_are_at_their_nominal_rate_at_most():
     chosen()
     rng = np.random.default_rng(4)
-    names = study._seas()
+    names = alarms.seas()
     errors = {name: {"nsp": 0.05 + 0.01 * rng.standard_normal(100), "ls": 0.08 + 0.02 * rng.standard_normal(100),
                      "resolution": 0.04} for name in names}
     found = false_alarms(errors, 40_000)
@@ -178,11 +181,11 @@ def test_false_alarms_of_well_behaved_errors_are_at_their_nominal_rate_at_most()
 
 
 def test_a_statistic_that_alarms_too_often_is_seen():
-    said = problems({"faults": [], "variants": [], "false_alarms": {"nominal": 1e-3, "at_margin": study._rate(
+    said = problems({"faults": [], "variants": [], "false_alarms": {"nominal": 1e-3, "at_margin": alarms._rate(
         300, 100_000)}})
     assert said == ["false alarms are at 3.0e-03, above 0.001"]
     interval = binomtest(300, 100_000).proportion_ci(method="exact")
-    assert study._rate(300, 100_000)["interval"] == [interval.low, interval.high]
+    assert alarms._rate(300, 100_000)["interval"] == [interval.low, interval.high]
 
 
 def test_the_committed_result_is_of_this_list_and_holds():

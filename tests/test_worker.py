@@ -7,7 +7,7 @@ import pytest
 
 from leakref import Grid, LeakrefError, SeaState, synthesize
 from leakref.certify.subject import inprocess
-from leakref.certify.connect import HarnessBroken, connect
+from leakref.certify.targets import HarnessBroken, connect
 from leakref.certify.verdict import Unanswered
 from leakref.chain import reference
 

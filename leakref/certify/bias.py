@@ -16,7 +16,7 @@ from scipy.stats import t as student
 from leakref._base import FloatArray
 from leakref.certify.checks import inputs
 from leakref.certify.checks.inputs import Cube, polar
-from leakref.certify.checks.expected import expected
+from leakref.certify.checks.criteria import expected
 from leakref.certify.checks.criteria import taper
 from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Unanswered

@@ -17,13 +17,13 @@ from rich.table import Table
 from leakref._base import LeakrefError
 from leakref._output import console, dump, folder, progress_bar, write_whole
 from leakref.certify.certificate import REJECTED, SOUND, Certificate, junit, read_known, schema
-from leakref.certify.choice import chosen
-from leakref.certify.connect import HarnessBroken, Limits, connect
+from leakref.certify.runner import chosen
+from leakref.certify.targets import HarnessBroken, Limits, connect
 from leakref.certify.strength.diagnosis import explained
-from leakref.certify.judge import certify
+from leakref.certify.runner import certify
 from leakref.certify.subject.protocol import ProcessSubject
 from leakref.certify.verdict import WRONG, Finding, Verdict
-from leakref.golden import locate
+from leakref.golden.sets import locate
 
 __all__ = ["Request", "run", "show_list", "show_schema"]
 

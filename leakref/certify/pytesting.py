@@ -11,7 +11,7 @@ import pytest
 
 from leakref._base import LeakrefError
 from leakref.certify.certificate import Known, read_known
-from leakref.certify.choice import chosen
+from leakref.certify.runner import chosen
 from leakref.certify.subject.inprocess import InProcess
 from leakref.certify.checks.registry import Case, Check
 from leakref.certify.subject.frames import Subject

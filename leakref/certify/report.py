@@ -12,7 +12,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from leakref import __version__
 from leakref._base import FloatArray
 from leakref.certify.certificate import Certificate
-from leakref.certify.choice import chosen
+from leakref.certify.runner import chosen
 from leakref.certify.checks.registry import FAMILIES, Check
 from leakref.certify.verdict import Finding, Verdict
 

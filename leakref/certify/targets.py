@@ -5,11 +5,14 @@ from __future__ import annotations
 import importlib
 import os
 import sys
+from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 from leakref._base import LeakrefError
+from leakref.certify.subject.protocol import HarnessBroken, Limits, ProcessSubject
 
-__all__ = ["load"]
+__all__ = ["HarnessBroken", "Limits", "connect", "load"]
 
 
 def load(target: str) -> Any:
@@ -32,17 +35,46 @@ def load(target: str) -> Any:
 
         return implementation(name)
     if not name or not all(part.isidentifier() for part in kind.split(".")):
-        raise LeakrefError("certify", f"{target!r} names nothing", "give package.module:object, reference, fault:ID or "
-                           "variant:ID, or --command for a program")
+        raise LeakrefError(
+            "certify",
+            f"{target!r} names nothing",
+            "give package.module:object, reference, fault:ID or variant:ID, or --command for a program",
+        )
     if os.getcwd() not in sys.path:
         sys.path.insert(0, os.getcwd())  # the caller's own modules, as python -m would find them
     try:
         found: Any = importlib.import_module(kind)
     except ModuleNotFoundError as error:
-        raise LeakrefError("certify", f"there is no module {error.name!r}", "run it where the module can be "
-                           "imported, or set PYTHONPATH") from None
+        raise LeakrefError(
+            "certify",
+            f"there is no module {error.name!r}",
+            "run it where the module can be imported, or set PYTHONPATH",
+        ) from None
     for part in name.split("."):
         if not hasattr(found, part):
             raise LeakrefError("certify", f"{kind} has no {name!r}", "name an object or a function of that module")
         found = getattr(found, part)
     return found() if isinstance(found, type) else found
+
+
+def connect(
+    target: str | None = None,
+    command: Sequence[str] | None = None,
+    *,
+    limits: Limits | None = None,
+    keep: Path | None = None,
+) -> ProcessSubject:
+    """The context in which a Python `target` (`targets.load`) or a `command`, an argument list, is judged, run here.
+
+    It is started on entry, where LeakrefError is raised if that cannot be, and HarnessBroken if it does not answer.
+    """
+    if bool(target) == bool(command):
+        raise LeakrefError(
+            "certify",
+            "there are a target and a command" if target else "there is no target",
+            "give package.module:object, reference, fault:ID or variant:ID, or a command",
+        )
+    if command:
+        return ProcessSubject(command, limits=limits, keep=keep)
+    worker = [sys.executable, "-m", "leakref.certify.worker", str(target), "tell-when-loading"]
+    return ProcessSubject(worker, limits=limits, keep=keep, loading=Limits.start)

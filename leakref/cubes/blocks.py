@@ -29,8 +29,12 @@ def _blocks(surface: Any, size: int) -> Iterator[tuple[int, slice, FloatArray]]:
     largest = 0.0
     for start in range(0, n, step):
         part = slice(start, min(start + step, n))
-        samples = finite("extract", f"the surface, samples {start}...{part.stop - 1} along {'xyt'[axis]},",
-                         np.asarray(surface[(slice(None),) * axis + (part,)]), 3)
+        samples = finite(
+            "extract",
+            f"the surface, samples {start}...{part.stop - 1} along {'xyt'[axis]},",
+            np.asarray(surface[(slice(None),) * axis + (part,)]),
+            3,
+        )
         largest = max(largest, float(samples.max()), -float(samples.min()))
         if largest > 2.0**ORDINARY:
             break
@@ -54,23 +58,37 @@ def trend(surface: Any, kind: str, *, block: int = _BLOCK) -> FloatArray:
     for axis, part, samples in _blocks(surface, block):
         index = [c[part] if a == axis else c for a, c in enumerate(centred)]
         along_t = samples.sum(axis=(0, 1))
-        found += [along_t.sum(), index[0] @ samples.sum(axis=(1, 2)), index[1] @ samples.sum(axis=(0, 2)),
-                  index[2] @ along_t]
+        found += [
+            along_t.sum(),
+            index[0] @ samples.sum(axis=(1, 2)),
+            index[1] @ samples.sum(axis=(0, 2)),
+            index[2] @ along_t,
+        ]
     found /= np.prod(surface.shape, dtype=np.float64)
     found[1:] *= [12 / (n**2 - 1) if kind == "linear" else 0.0 for n in surface.shape]
     return found
 
 
-def plane(coefficients: FloatArray, shape: tuple[int, int, int], axis: int = 0,
-          part: slice | None = None) -> FloatArray:
+def plane(
+    coefficients: FloatArray, shape: tuple[int, int, int], axis: int = 0, part: slice | None = None
+) -> FloatArray:
     """The trend on a cube of `shape`, or on the `part` of it along `axis`."""
-    x, y, t = (b * (np.arange(n) - (n - 1) / 2)[part if a == axis and part else slice(None)]
-               for a, (n, b) in enumerate(zip(shape, coefficients[1:], strict=True)))
+    x, y, t = (
+        b * (np.arange(n) - (n - 1) / 2)[part if a == axis and part else slice(None)]
+        for a, (n, b) in enumerate(zip(shape, coefficients[1:], strict=True))
+    )
     return (coefficients[0] + x[:, None] + y)[:, :, None] + t
 
 
-def fourier_in_blocks(surface: Any, grid: Grid, window: str = "hann", *, largest_wavenumber: float | None = None,
-                      remove: FloatArray | None = None, block: int = _BLOCK) -> Spectrum:
+def fourier_in_blocks(
+    surface: Any,
+    grid: Grid,
+    window: str = "hann",
+    *,
+    largest_wavenumber: float | None = None,
+    remove: FloatArray | None = None,
+    block: int = _BLOCK,
+) -> Spectrum:
     """What `spectrum.fourier` gives, to rounding, on the bins with |kx|, |ky| <= `largest_wavenumber` (default all).
 
     `surface` is anything with a shape that can be sliced, for instance memory-mapped; `remove` is a `trend`. The
@@ -79,8 +97,11 @@ def fourier_in_blocks(surface: Any, grid: Grid, window: str = "hann", *, largest
     kept, never the cube. Raises LeakrefError.
     """
     if surface.shape != grid.shape:
-        raise LeakrefError("fourier_in_blocks", f"the surface has shape {surface.shape}, the grid {grid.shape}",
-                           "pass the grid the surface was sampled on, axes in the order x, y, t")
+        raise LeakrefError(
+            "fourier_in_blocks",
+            f"the surface has shape {surface.shape}, the grid {grid.shape}",
+            "pass the grid the surface was sampled on, axes in the order x, y, t",
+        )
     kept = [grid.bins(a) for a in (0, 1)]
     if largest_wavenumber is not None:
         kept = [b[np.abs(b) <= largest_wavenumber / grid.bin_widths[a] + 1e-9] for a, b in enumerate(kept)]

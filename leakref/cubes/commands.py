@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import hashlib
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -14,102 +13,24 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from leakref.cubes import blocks, files, screen
-from leakref._base import FloatArray, LeakrefError, levelled, positive
+from leakref._base import FloatArray, LeakrefError, levelled
 from leakref._output import console, dump, envelope, folder, write_whole
-from leakref.cases import configurations
 from leakref.chain import METHODS, analyse
-from leakref.dispersion import Scales, velocity_resolutions
+from leakref.cubes import blocks, files, formats, screen
 from leakref.cubes.files import UNITS, Cube
-from leakref.grid import Grid
-from leakref.shell import EDGE_MARGIN, HALF_WIDTH, Extraction
+from leakref.cubes.wavenumbers import default_wavenumbers, parse_numbers, parse_wavenumbers
+from leakref.dispersion import velocity_resolutions
+from leakref.shell import HALF_WIDTH, Extraction
 from leakref.spectrum import Spectrum, fourier
 from leakref.window import window as named_window
 
-__all__ = ["default_wavenumbers", "export", "extract", "parse_numbers", "parse_wavenumbers", "spectrum_of"]
+__all__ = ["extract", "spectrum_of"]
 
 IN_MEMORY = 2**30
 """A memory-mapped cube larger than this many bytes, as float64, is transformed in blocks."""
 KEPT = 2**30
 """Bytes of spectrum kept of such a cube where no wavenumbers are asked for."""
-SMALLEST = 4
-"""The first wavenumber by default, in dk: its shell keeps clear of the bins into which a Hann window spreads a mean."""
-_SUFFIXES = {".mat": "mat", ".nc": "netcdf", ".npz": "npz"}
 _PER_LENGTH = {"si": "rad/m", "scaled": "k0", "given": "rad per length"}
-
-
-def export(case: str, *, realization: int, format: str | None, out: Path, peak_wavenumber: float | None,
-           gravity: float | None, json: bool) -> bool:
-    """Write one realisation of a paper case with its truth to `out`; returns True. Raises LeakrefError."""
-    format = format or _SUFFIXES.get(out.suffix.lower(), "npz")
-    if format not in files.FORMATS:
-        raise LeakrefError("export", f"no format is called {format!r}", f"choose one of {', '.join(files.FORMATS)}")
-    chosen = configurations([case])
-    if len(chosen) > 1:
-        raise LeakrefError("export", f"{case} has {len(chosen)} configurations",
-                           f"name one of {' '.join(c.id for c in chosen)}")
-    if (peak_wavenumber is None) != (gravity is None):
-        raise LeakrefError("export", "only one of --peak-wavenumber and --gravity was given",
-                           "give both for SI units, or neither for scaled ones")
-    scales = None
-    if peak_wavenumber is not None and gravity is not None:
-        positive("export", peak_wavenumber=peak_wavenumber, gravity=gravity)
-        scales = Scales(peak_wavenumber, gravity)
-    if format == "netcdf":
-        files.netcdf_library()
-    folder(out.parent)
-    if out.is_dir():
-        raise LeakrefError("export", f"{out} is a folder", "name the file to write")
-    configuration = chosen[0]
-    cube = files.of_configuration(configuration, realization, scales)
-    files.write(out, cube, format, {"case": configuration.id, "realization": str(realization)})
-    with out.open("rb") as stream:
-        digest = hashlib.file_digest(stream, "sha256").hexdigest()
-    if json:
-        print(dump(envelope("export", True, path=out, sha256=digest, case=configuration.id, realization=realization,
-                            format=format, units=cube.units, gravity=cube.gravity, shape=cube.grid.shape,
-                            spacing=cube.grid.spacing, current=cube.current)))
-    else:
-        print(f"{out}  {' x '.join(map(str, cube.grid.shape))} samples, units: {cube.units}, sha256 {digest}")
-    return True
-
-
-def parse_numbers(option: str, text: str, count: int | None = None) -> list[float]:
-    """Numbers separated by commas. Raises LeakrefError."""
-    try:
-        values = [float(word) for word in text.split(",")]
-    except ValueError:
-        values = []
-    if not values or (count is not None and len(values) != count) or not np.isfinite(values).all():
-        example = "0.4,0.5,0.6" if count is None else ",".join(["0.5", "0.5", "0.2"][:count])
-        raise LeakrefError("extract", f"{option} {text} is not {count or 'a list of'} finite numbers",
-                           f"separate them by commas, as in {option} {example}")
-    return values
-
-
-def parse_wavenumbers(text: str) -> FloatArray:
-    """A list, "0.4,0.5", or a range with both its ends, "0.4:3.5:0.1". Raises LeakrefError."""
-    if ":" not in text:
-        return np.array(parse_numbers("--wavenumbers", text))
-    values = parse_numbers("--wavenumbers", text.replace(":", ","))
-    if text.count(":") != 2 or len(values) != 3 or values[2] <= 0 or values[1] < values[0]:
-        raise LeakrefError("extract", f"--wavenumbers {text} is no range", "write first:last:step, as in 0.4:3.5:0.1")
-    first, last, step = values
-    count = int((last - first) / step + 1e-9) + 1
-    if count > 100_000:
-        raise LeakrefError("extract", f"--wavenumbers {text} is {count} wavenumbers", "take a larger step")
-    return first + np.arange(count) * step
-
-
-def default_wavenumbers(grid: Grid, largest: float = np.inf) -> FloatArray:
-    """i dk, one a bin, from SMALLEST dk to the largest whole shell below the Nyquist wavenumber and `largest`."""
-    dk = grid.wavenumber_resolution
-    top = min(min(grid.nyquist[:2]) * (1 - EDGE_MARGIN) - HALF_WIDTH * dk, largest)
-    last = int(np.ceil(top / dk - 1e-9)) - 1  # strictly inside
-    if last < SMALLEST:
-        raise LeakrefError("extract", f"a cube of {grid.shape[0]} x {grid.shape[1]} samples has no whole shell from "
-                           f"{SMALLEST} dk up", "pass --wavenumbers, or use a larger or finer cube")
-    return np.arange(SMALLEST, last + 1) * dk
 
 
 def spectrum_of(cube: Cube, window: str, trend: FloatArray | None, reach: float | None, *, in_blocks: bool) -> Spectrum:
@@ -120,9 +41,21 @@ def spectrum_of(cube: Cube, window: str, trend: FloatArray | None, reach: float 
     return fourier(eta, cube.grid, window)
 
 
-def extract(file: Path, *, window: str, method: str, wavenumbers: str | None, screening: bool, rotate: float | None,
-            spacing: str | None, axes: str | None, gravity: float | None, detrend: str, out: Path | None,
-            json: bool) -> bool:
+def extract(
+    file: Path,
+    *,
+    window: str,
+    method: str,
+    wavenumbers: str | None,
+    screening: bool,
+    rotate: float | None,
+    spacing: str | None,
+    axes: str | None,
+    gravity: float | None,
+    detrend: str,
+    out: Path | None,
+    json: bool,
+) -> bool:
     """The chain on the cube in `file`: print a table or JSON, write everything to `out` if given.
 
     Returns whether the velocities can be trusted as far as was looked: False if they are untapered and the screen
@@ -136,31 +69,47 @@ def extract(file: Path, *, window: str, method: str, wavenumbers: str | None, sc
     if detrend not in blocks.TRENDS:
         raise LeakrefError("extract", f"--detrend {detrend} is unknown", f"choose one of {', '.join(blocks.TRENDS)}")
     asked = None if wavenumbers is None else parse_wavenumbers(wavenumbers)
-    cube = files.read(file, spacing=None if spacing is None else parse_numbers("--spacing", spacing, 3), axes=axes,
-                      gravity=gravity)
+    cube = files.read(
+        file, spacing=None if spacing is None else parse_numbers("--spacing", spacing, 3), axes=axes, gravity=gravity
+    )
     if out is not None:
         folder(out)
     try:
         found, screened, notes, trend = _measure(cube, window, method, asked, screening, rotate, detrend)
     except LeakrefError as error:
         raise LeakrefError("extract", f"{file}: {error.fault}", error.remedy) from None
-    resolutions = velocity_resolutions(found.wavenumbers, cube.grid.wavenumber_resolution,
-                                       cube.grid.frequency_resolution, cube.gravity)
+    resolutions = velocity_resolutions(
+        found.wavenumbers, cube.grid.wavenumber_resolution, cube.grid.frequency_resolution, cube.gravity
+    )
     flags = [list(note.names) for note in found.notes]
     if screened is not None and window == "box":  # flags belong to the velocities reported: the untapered ones
         for names, verdict in zip(flags, screened.verdicts, strict=True):
             names += [screen.LEAKAGE] * (verdict == screen.LEAKAGE)
     ok = screened is None or window != "box" or screen.LEAKAGE not in screened.verdicts
     record = envelope(
-        "extract", ok, wavenumbers=found.wavenumbers,
-        doppler_shift_velocities=_rows(found.velocities), flags=flags,
-        resolution_frequency=resolutions[0], resolution_wavenumber=resolutions[1], score=found.score, file=file,
-        window=window, method=method, units={"system": cube.units, "wavenumber": _PER_LENGTH[cube.units],
-                                             "velocity": UNITS[cube.units]},
-        gravity=cube.gravity, shape=cube.grid.shape, spacing=cube.grid.spacing, axes="xyt",
-        removed={"trend": detrend, "mean": trend[0], "slopes_per_sample": trend[1:]}, current=cube.current,
-        peak_wavenumber=cube.peak_wavenumber, notes=notes,
-        verdicts=None if screened is None else screened.verdicts, screen=_screen_record(screened, window))
+        "extract",
+        ok,
+        wavenumbers=found.wavenumbers,
+        doppler_shift_velocities=_rows(found.velocities),
+        flags=flags,
+        resolution_frequency=resolutions[0],
+        resolution_wavenumber=resolutions[1],
+        score=found.score,
+        file=file,
+        window=window,
+        method=method,
+        units={"system": cube.units, "wavenumber": _PER_LENGTH[cube.units], "velocity": UNITS[cube.units]},
+        gravity=cube.gravity,
+        shape=cube.grid.shape,
+        spacing=cube.grid.spacing,
+        axes="xyt",
+        removed={"trend": detrend, "mean": trend[0], "slopes_per_sample": trend[1:]},
+        current=cube.current,
+        peak_wavenumber=cube.peak_wavenumber,
+        notes=notes,
+        verdicts=None if screened is None else screened.verdicts,
+        screen=_screen_record(screened, window),
+    )
     if out is not None:
         _write(out, record, found, flags, resolutions, screened, cube)
     if json:
@@ -173,14 +122,18 @@ def extract(file: Path, *, window: str, method: str, wavenumbers: str | None, sc
     if screened is not None:
         show.print(_summary(screened), soft_wrap=True, highlight=False)
     if out is not None:
-        there = ", ".join(kind for kind, name in (("JSON", "json"), ("CSV", "csv"), ("NetCDF", "nc"))
-                          if (out / f"extract.{name}").exists())
+        there = ", ".join(
+            kind
+            for kind, name in (("JSON", "json"), ("CSV", "csv"), ("NetCDF", "nc"))
+            if (out / f"extract.{name}").exists()
+        )
         console().print(f"[dim]table ({there}) and figures in {escape(str(out))}[/dim]", soft_wrap=True)
     return ok
 
 
-def _measure(cube: Cube, window: str, method: str, asked: FloatArray | None, screening: bool, angle: float | None,
-             detrend: str) -> tuple[Extraction, screen.Screening | None, list[str], FloatArray]:
+def _measure(
+    cube: Cube, window: str, method: str, asked: FloatArray | None, screening: bool, angle: float | None, detrend: str
+) -> tuple[Extraction, screen.Screening | None, list[str], FloatArray]:
     """The velocities, the screening if wanted, what to say, and the trend that was removed (zeros if none)."""
     grid, notes = cube.grid, list(cube.notes)
     in_blocks = isinstance(cube.surface, np.memmap) and 8 * cube.surface.size > IN_MEMORY
@@ -201,8 +154,9 @@ def _measure(cube: Cube, window: str, method: str, asked: FloatArray | None, scr
         notes.append(f"the mean, {trend[0]:.6g}, was removed")
     elif detrend == "linear":
         slopes = ", ".join(f"{b:.3g}" for b in trend[1:])
-        notes.append(f"the mean, {trend[0]:.6g}, and a plane with the slopes {slopes} per sample along x, y, t were "
-                     "removed")
+        notes.append(
+            f"the mean, {trend[0]:.6g}, and a plane with the slopes {slopes} per sample along x, y, t were removed"
+        )
     else:
         notes.append("neither mean nor trend was removed (--detrend mean or linear does)")
 
@@ -217,8 +171,11 @@ def _measure(cube: Cube, window: str, method: str, asked: FloatArray | None, scr
         k = default_wavenumbers(grid, limit)
         k = k[screen.shells_with_signal(smooth, k, 0.5)]  # at the wavenumber itself, not at the edge of its shell only
         if not k.size:
-            raise LeakrefError("extract", "no shell holds more than noise",
-                               "remove the mean with --detrend mean, check gravity and spacing, or pass --wavenumbers")
+            raise LeakrefError(
+                "extract",
+                "no shell holds more than noise",
+                "remove the mean with --detrend mean, check gravity and spacing, or pass --wavenumbers",
+            )
         notes.append(f"wavenumbers: every dk from {k[0]:.4g} to {k[-1]:.4g}, where there is signal")
     else:
         k = asked
@@ -230,10 +187,13 @@ def _measure(cube: Cube, window: str, method: str, asked: FloatArray | None, scr
     if angle is not None:
         flat = np.asarray(surface) if detrend == "none" else surface - blocks.plane(removed, grid.shape)
         turned, smaller = screen.rotate(flat, grid, angle)
-        rotated = screen.turned([fourier(turned, smaller, name) for name in ("box", taper)], k, angle,
-                                gravity=cube.gravity, method=method)
-        notes.append(f"turned by {angle:g} degrees by interpolation on the inscribed square of {smaller.shape[0]} x "
-                     f"{smaller.shape[1]} samples: not lossless, and of coarser resolution")
+        rotated = screen.turned(
+            [fourier(turned, smaller, name) for name in ("box", taper)], k, angle, gravity=cube.gravity, method=method
+        )
+        notes.append(
+            f"turned by {angle:g} degrees by interpolation on the inscribed square of {smaller.shape[0]} x "
+            f"{smaller.shape[1]} samples: not lossless, and of coarser resolution"
+        )
     return found, screen.screen(*pair, k, gravity=cube.gravity, method=method, rotated=rotated), notes, trend
 
 
@@ -245,13 +205,27 @@ def _rows(velocities: FloatArray) -> list[list[float] | None]:
 def _screen_record(s: screen.Screening | None, window: str) -> dict[str, Any] | None:
     if s is None:
         return None
-    turned = None if s.turned is None else {
-        "angle": s.turned.angle, "untapered": _rows(s.turned.untapered), "tapered": _rows(s.turned.tapered),
-        "resolution": s.turned.resolution, "side": s.turned.side, "lossless": False}
-    return {"taper": "hann" if window == "box" else window,
-            "untapered": _rows(s.untapered.velocities), "tapered": _rows(s.tapered.velocities),
-            "disagreement": s.disagreement,
-            "resolution": s.resolution, "leaked_share": s.leaked, "rotated": turned}
+    turned = (
+        None
+        if s.turned is None
+        else {
+            "angle": s.turned.angle,
+            "untapered": _rows(s.turned.untapered),
+            "tapered": _rows(s.turned.tapered),
+            "resolution": s.turned.resolution,
+            "side": s.turned.side,
+            "lossless": False,
+        }
+    )
+    return {
+        "taper": "hann" if window == "box" else window,
+        "untapered": _rows(s.untapered.velocities),
+        "tapered": _rows(s.tapered.velocities),
+        "disagreement": s.disagreement,
+        "resolution": s.resolution,
+        "leaked_share": s.leaked,
+        "rotated": turned,
+    }
 
 
 def _summary(s: screen.Screening) -> str:
@@ -259,14 +233,24 @@ def _summary(s: screen.Screening) -> str:
     said = ", ".join(f"{verdict} at {count}" for verdict, count in counts.items())
     if not counts[screen.LEAKAGE]:
         return f"Screen, of {len(s.verdicts)} wavenumbers: {said}."
-    return (f"Screen, of {len(s.verdicts)} wavenumbers: {said}. Where there is leakage, the untapered velocity changes "
-            "by more than both resolutions: use the tapered one.")
+    return (
+        f"Screen, of {len(s.verdicts)} wavenumbers: {said}. Where there is leakage, the untapered velocity changes "
+        "by more than both resolutions: use the tapered one."
+    )
 
 
-def _table(file: Path, found: Extraction, flags: list[list[str]], resolutions: Sequence[FloatArray],
-           screened: screen.Screening | None, cube: Cube, window: str) -> Table:
-    result = Table(title=f"{file.name}: Doppler shift velocities, window {window}, {found.method}, in "
-                         f"{UNITS[cube.units]}")
+def _table(
+    file: Path,
+    found: Extraction,
+    flags: list[list[str]],
+    resolutions: Sequence[FloatArray],
+    screened: screen.Screening | None,
+    cube: Cube,
+    window: str,
+) -> Table:
+    result = Table(
+        title=f"{file.name}: Doppler shift velocities, window {window}, {found.method}, in {UNITS[cube.units]}"
+    )
     for name in (f"k ({_PER_LENGTH[cube.units]})", "cx", "cy", "domega / k", "cg dk / k"):
         result.add_column(name, justify="right")
     if screened is not None:
@@ -277,19 +261,33 @@ def _table(file: Path, found: Extraction, flags: list[list[str]], resolutions: S
         row = [f"{k:.4g}", *("-" if np.isnan(v) else f"{v:.4f}" for v in c), *(f"{r[n]:.4f}" for r in resolutions)]
         if screened is not None:
             verdict = screened.verdicts[n]
-            row += [f"{screened.disagreement[n]:.4f}",
-                    f"[red]{verdict}[/red]" if verdict == screen.LEAKAGE else verdict]
+            row += [
+                f"{screened.disagreement[n]:.4f}",
+                f"[red]{verdict}[/red]" if verdict == screen.LEAKAGE else verdict,
+            ]
         result.add_row(*row, ", ".join(name for name in flags[n] if name != screen.LEAKAGE))
     return result
 
 
-def _write(out: Path, record: dict[str, Any], found: Extraction, flags: list[list[str]],
-           resolutions: Sequence[FloatArray], screened: screen.Screening | None, cube: Cube) -> None:
+def _write(
+    out: Path,
+    record: dict[str, Any],
+    found: Extraction,
+    flags: list[list[str]],
+    resolutions: Sequence[FloatArray],
+    screened: screen.Screening | None,
+    cube: Cube,
+) -> None:
     """JSON, CSV, figures, and NetCDF where xarray is there."""
     from leakref.figures import extraction_figure, save, screening_figure
 
-    columns = {"wavenumber": found.wavenumbers, "cx": found.velocities[:, 0], "cy": found.velocities[:, 1],
-               "resolution_frequency": resolutions[0], "resolution_wavenumber": resolutions[1]}
+    columns = {
+        "wavenumber": found.wavenumbers,
+        "cx": found.velocities[:, 0],
+        "cy": found.velocities[:, 1],
+        "resolution_frequency": resolutions[0],
+        "resolution_wavenumber": resolutions[1],
+    }
     words = {"flags": [";".join(names) for names in flags]}
     if screened is not None:
         columns |= {"disagreement": screened.disagreement, "leaked_share": screened.leaked}
@@ -311,16 +309,25 @@ def _write(out: Path, record: dict[str, Any], found: Extraction, flags: list[lis
     if screened is not None:
         save(screening_figure(screened, resolutions, units, f"{name}: is leakage at work?"), out / "screen")
     try:
-        library = files.netcdf_library()
+        library = formats.netcdf_library()
     except LeakrefError as error:
         console().print(escape(f"no extract.nc was written: {error}"), soft_wrap=True)
         return
     metric = cube.units == "si"
     unit = {"wavenumber": "m-1" if metric else "1", "leaked_share": "1"}
     dataset = library.Dataset(
-        {name: ("wavenumber", values, {"units": unit.get(name, "m s-1" if metric else "1")})
-         for name, values in columns.items()} |
-        {name: ("wavenumber", np.array(values, dtype=str)) for name, values in words.items()},
-        attrs={"Conventions": "CF-1.10", "units": cube.units, "gravity": cube.gravity, "window": record["window"],
-               "method": record["method"], "trend_removed": record["removed"]["trend"]})
+        {
+            name: ("wavenumber", values, {"units": unit.get(name, "m s-1" if metric else "1")})
+            for name, values in columns.items()
+        }
+        | {name: ("wavenumber", np.array(values, dtype=str)) for name, values in words.items()},
+        attrs={
+            "Conventions": "CF-1.10",
+            "units": cube.units,
+            "gravity": cube.gravity,
+            "window": record["window"],
+            "method": record["method"],
+            "trend_removed": record["removed"]["trend"],
+        },
+    )
     write_whole(out / "extract.nc", lambda path: path.write_bytes(files.netcdf(dataset)))

@@ -17,8 +17,21 @@ from leakref.shell import EDGE_MARGIN, HALF_WIDTH, Extraction, Note
 from leakref.spectrum import Spectrum
 from leakref.window import window
 
-__all__ = ["FINE", "LEAKAGE", "LEAKED_SHARE", "NOISE", "NO_SIGNAL", "SIGNAL", "Screening", "Turned", "leaked_share",
-           "rotate", "screen", "shells_with_signal", "turned"]
+__all__ = [
+    "FINE",
+    "LEAKAGE",
+    "LEAKED_SHARE",
+    "NOISE",
+    "NO_SIGNAL",
+    "SIGNAL",
+    "Screening",
+    "Turned",
+    "leaked_share",
+    "rotate",
+    "screen",
+    "shells_with_signal",
+    "turned",
+]
 
 FINE, LEAKAGE, NO_SIGNAL = "fine", "leakage", "no signal"
 SIGNAL = 1e-2
@@ -105,8 +118,15 @@ def leaked_share(untapered: Spectrum, tapered: Spectrum, wavenumbers: FloatArray
     return np.array([gone[s].sum() / max(plain[s].sum(), 1e-300) for s in shells])
 
 
-def screen(untapered: Spectrum, tapered: Spectrum, wavenumbers: FloatArray, *, gravity: float = 1.0,
-           method: str = "nsp", rotated: Turned | None = None) -> Screening:
+def screen(
+    untapered: Spectrum,
+    tapered: Spectrum,
+    wavenumbers: FloatArray,
+    *,
+    gravity: float = 1.0,
+    method: str = "nsp",
+    rotated: Turned | None = None,
+) -> Screening:
     """Compare the velocities of a cube without and with a taper, at each wavenumber.
 
     No signal: the tapered shell holds none, or nothing that could not have leaked from the strongest wave, or there
@@ -115,11 +135,13 @@ def screen(untapered: Spectrum, tapered: Spectrum, wavenumbers: FloatArray, *, g
     difference); or the untapered velocities with and without a turn of the camera disagree by more than both
     resolutions of the smaller, rotated cube. Fine: all others. Raises LeakrefError.
     """
-    plain, smooth = (analyse(s, wavenumbers, gravity=gravity, method=method, search=False)
-                     for s in (untapered, tapered))
+    plain, smooth = (
+        analyse(s, wavenumbers, gravity=gravity, method=method, search=False) for s in (untapered, tapered)
+    )
     grid = tapered.grid
-    resolution = np.maximum(*velocity_resolutions(wavenumbers, grid.wavenumber_resolution, grid.frequency_resolution,
-                                                  gravity))
+    resolution = np.maximum(
+        *velocity_resolutions(wavenumbers, grid.wavenumber_resolution, grid.frequency_resolution, gravity)
+    )
     off = np.hypot(*(plain.velocities - smooth.velocities).T)
     leaked = leaked_share(untapered, tapered, wavenumbers)
     suspect = (off > resolution) & (leaked >= LEAKED_SHARE)
@@ -143,8 +165,11 @@ def rotate(surface: Any, grid: Grid, angle: float) -> tuple[FloatArray, Grid]:
     c, s, d = np.cos(np.radians(angle)), np.sin(np.radians(angle)), max(dx, dy)
     n = int(min((nx - 1) * dx, (ny - 1) * dy) / (d * (abs(c) + abs(s))) + 1e-9) + 1
     if n < 8:
-        raise LeakrefError("rotate", f"the square inscribed at {angle} degrees has {n} samples a side",
-                           "turn by less or use a larger cube")
+        raise LeakrefError(
+            "rotate",
+            f"the square inscribed at {angle} degrees has {n} samples a side",
+            "turn by less or use a larger cube",
+        )
     matrix = np.array([[c / dx, -s / dx], [s / dy, c / dy]]) * d
     offset = np.array([nx - 1, ny - 1]) / 2 - matrix @ np.full(2, (n - 1) / 2)
     result = np.empty((n, n, nt))
@@ -153,13 +178,15 @@ def rotate(surface: Any, grid: Grid, angle: float) -> tuple[FloatArray, Grid]:
     return result, Grid((n, n, nt), (d, d, dt))
 
 
-def turned(spectra: Sequence[Spectrum], wavenumbers: FloatArray, angle: float, *, gravity: float = 1.0,
-           method: str = "nsp") -> Turned:
+def turned(
+    spectra: Sequence[Spectrum], wavenumbers: FloatArray, angle: float, *, gravity: float = 1.0, method: str = "nsp"
+) -> Turned:
     """The velocities from the (untapered, tapered) spectra of a cube rotated by `angle`, turned back."""
     grid = spectra[0].grid
     dk = grid.wavenumber_resolution
     whole = (wavenumbers >= 2 * HALF_WIDTH * dk * (1 - EDGE_MARGIN)) & (
-        wavenumbers + HALF_WIDTH * dk < min(grid.nyquist[:2]) * (1 - EDGE_MARGIN))
+        wavenumbers + HALF_WIDTH * dk < min(grid.nyquist[:2]) * (1 - EDGE_MARGIN)
+    )
     c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
     found = np.full((2, wavenumbers.size, 2), np.nan)
     if whole.any():

@@ -16,7 +16,8 @@ from typing import Any
 
 from leakref._base import Damaged, LeakrefError
 from leakref._output import write_whole
-from leakref.golden import PUT_BACK, Failure, digest, sealed, strict
+from leakref.golden.digests import PUT_BACK, digest, sealed, strict
+from leakref.golden.sets import Failure
 
 __all__ = ["MANIFEST", "SCHEMA", "home", "lint", "noted", "read", "record"]
 

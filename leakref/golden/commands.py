@@ -11,7 +11,9 @@ from rich.table import Table
 
 from leakref import LeakrefError
 from leakref._output import console, dump, envelope, folder, progress_bar
-from leakref.golden import Golden, Report, beside, lint, locate
+from leakref.golden import beside
+from leakref.golden.linting import lint
+from leakref.golden.sets import Golden, Report, locate
 
 __all__ = ["run_lint", "run_regenerate", "run_verify"]
 
@@ -70,11 +72,11 @@ def run_verify(wanted: Sequence[str], number: int, place: Path | None, *, full: 
     report = lint(golden)
     whole = not report.failures  # by what was changed nothing can be judged
     if whole:
-        from leakref.golden import making
+        from leakref.golden import verifying
 
         kept = folder(work) if full or wanted else None
-        with progress_bar("golden entries", len(making.looked_at(golden, full or bool(wanted), wanted))) as step:
-            report = making.verify(golden, full=full, wanted=wanted, route=route, work=kept, workers=workers,
+        with progress_bar("golden entries", len(verifying.looked_at(golden, full or bool(wanted), wanted))) as step:
+            report = verifying.verify(golden, full=full, wanted=wanted, route=route, work=kept, workers=workers,
                                    step=step)
     _shown("verify", report, json, report.ok, full=full)
     return 0 if report.ok else 1 if report.failures and whole else NOTHING_TO_JUDGE
@@ -84,6 +86,7 @@ def run_regenerate(wanted: Sequence[str], number: int, place: Path | None, *, wo
                    json: bool) -> bool:
     """Whether nothing differs that was not named; see `making.regenerate`. `files` are those beside the sets."""
     from leakref.golden import making
+    from leakref.golden import ids
 
     target = place or Path(str(locate(number)))
     values = [name for name in wanted if name != FILES]
@@ -91,7 +94,7 @@ def run_regenerate(wanted: Sequence[str], number: int, place: Path | None, *, wo
     settled = True
     if values or not wanted:
         folder(work)
-        with progress_bar("golden entries", len(values) or len(making.ids(*("vectors", "analytic")))) as step:
+        with progress_bar("golden entries", len(values) or len(ids.ids(*("vectors", "analytic")))) as step:
             rows, settled = making.regenerate(values, target, work=work, workers=workers, step=step)
     if FILES in wanted:
         rows += [{"id": f"golden/{name}", "change": "digest", "largest": None, "over_tolerance": None, "written": True}

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from leakref.golden import EPSILON, Entry, compare, tolerance
+from leakref.golden.sets import EPSILON, Entry, compare, tolerance
 from leakref.golden.stages import STAGES
 from leakref.golden.vectors import VECTORS, Vector
 from leakref.grid import Grid

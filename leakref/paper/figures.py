@@ -12,7 +12,7 @@ from leakref._output import console, dump, envelope, folder
 from leakref.cases import CASES, REALIZATIONS, Configuration
 from leakref.dispersion import velocity_resolutions
 from leakref.figures import Result, result_figure, save
-from leakref.golden import Golden
+from leakref.golden.sets import Golden
 
 __all__ = ["RESULTS", "Stored", "draw_illustrations", "draw_results", "run", "stored"]
 

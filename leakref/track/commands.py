@@ -18,7 +18,7 @@ from rich.table import Table
 from leakref import LeakrefError, runs
 from leakref.track import history, tracking
 from leakref._output import console, dump, envelope, folder, progress_bar, write_whole
-from leakref.certify.connect import HarnessBroken, Limits, connect
+from leakref.certify.targets import HarnessBroken, Limits, connect
 from leakref.golden.beside import noted
 from leakref.track.changes import ALPHA, POWER, VERDICTS, Change, Comparison, compare
 from leakref.track.timings import compare_timings, timings

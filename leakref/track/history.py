@@ -21,7 +21,7 @@ from typing import Any
 import portalocker
 
 from leakref._base import LeakrefError, refusal
-from leakref.golden import digest
+from leakref.golden.digests import digest
 
 __all__ = ["SCHEMA", "Damaged", "Entry", "History", "append", "read"]
 

@@ -34,7 +34,7 @@ from leakref.certify.verdict import Unanswered, printable
 from leakref.chain import METHODS
 from leakref.decisions import DECISIONS
 from leakref.dispersion import UniformCurrent
-from leakref.golden import digest
+from leakref.golden.digests import digest
 
 __all__ = ["COARSE", "PAPER", "UNIT", "Scene", "Series", "fields", "measure", "measure_reference", "scene",
            "source_of", "source_of_program", "source_of_reference"]

@@ -11,13 +11,13 @@ import numpy as np
 from leakref._base import FloatArray
 from leakref.certify.checks import inputs
 from leakref.certify.checks.inputs import Cube, polar
-from leakref.certify.checks.expected import expected, score, unflagged
+from leakref.certify.checks.criteria import expected, score, unflagged
 from leakref.certify.checks.criteria import EXACT, FLATTER, as_array, verdict
 from leakref.certify.checks.registry import CHECKS, Case, Check, Outcome, check
 from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Unanswered, Verdict
 from leakref.dispersion import Scales, UniformCurrent
-from leakref.golden import Entry, Golden, agreed_digits, locate
+from leakref.golden.sets import Entry, Golden, agreed_digits, locate
 from leakref.grid import Grid
 from leakref.sea import Components
 from leakref.synthesis import synthesize

@@ -3,19 +3,44 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
 
+from leakref import fast
 from leakref._base import FloatArray
 from leakref.certify.checks.inputs import Cube
-from leakref.certify.checks.expected import expected, score, unflagged
 from leakref.certify.checks.registry import Outcome
 from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Unanswered, Verdict
+from leakref.nsp import WIDTH, normalized_scalar_product
+from leakref.shell import Extraction, shell_at
+from leakref.spectrum import Spectrum, fourier
+from leakref.window import WINDOWS
 
-__all__ = ["EXACT", "FLATTER", "FRACTION", "IN_THE_MEAN", "NEVER", "ROOM", "as_array", "ask", "bare", "each_method",
-           "exactly", "in_the_mean", "room", "taper", "vector", "verdict", "worst"]
+__all__ = [
+    "EXACT",
+    "FLATTER",
+    "FRACTION",
+    "IN_THE_MEAN",
+    "NEVER",
+    "ROOM",
+    "as_array",
+    "ask",
+    "bare",
+    "each_method",
+    "exactly",
+    "expected",
+    "in_the_mean",
+    "room",
+    "score",
+    "taper",
+    "unflagged",
+    "vector",
+    "verdict",
+    "worst",
+]
 
 EXACT = 2e-4
 """In c0: three times by how much optimisers at default tolerances were seen to miss what is exact."""
@@ -25,8 +50,10 @@ FRACTION = 0.1
 """Of the smaller resolution (eq:dcdwk): how near answers must be that ought to be the same."""
 NEVER = 1e6
 """The effect over tolerance of what is either right or wrong."""
-ROOM = ("the larger resolution (eq:dcdwk), and for other methods than the NSP twice as much more as the reference's "
-        "least squares is off there")
+ROOM = (
+    "the larger resolution (eq:dcdwk), and for other methods than the NSP twice as much more as the reference's "
+    "least squares is off there"
+)
 """`room` in words."""
 IN_THE_MEAN = f"the mean error, over wavenumbers of which the reference notes nothing, is below the mean of {ROOM}"
 """`in_the_mean` in words."""
@@ -62,8 +89,10 @@ def each_method(subject: Subject, judge: Callable[[str], Outcome], without: tupl
     """The worst outcome of all methods that are offered, but for those that the check is not about."""
     methods = [method for method in subject.declaration.methods if method not in without]
     if not methods:
-        raise Unanswered(Verdict.UNSUPPORTED, f"offers no method but {', '.join(subject.declaration.methods)}, "
-                                              "which this does not hold for")
+        raise Unanswered(
+            Verdict.UNSUPPORTED,
+            f"offers no method but {', '.join(subject.declaration.methods)}, which this does not hold for",
+        )
     return worst({method: judge(method) for method in methods})
 
 
@@ -76,8 +105,14 @@ def ask(subject: Subject, cube: Cube, window: str, method: str) -> tuple[FloatAr
     return found.values, there
 
 
-def as_array(subject: Subject, surface: FloatArray, spacing: tuple[float, float, float], wavenumbers: FloatArray,
-             window: str, method: str) -> tuple[FloatArray, npt.NDArray[np.bool_]]:
+def as_array(
+    subject: Subject,
+    surface: FloatArray,
+    spacing: tuple[float, float, float],
+    wavenumbers: FloatArray,
+    window: str,
+    method: str,
+) -> tuple[FloatArray, npt.NDArray[np.bool_]]:
     """As `ask`, but of a surface [x, y, t] taken as an array: an implementation with y downwards sees the same one.
 
     Its velocities (n, 2) are along the axes of the array; which way up that is, is not the question.
@@ -87,8 +122,9 @@ def as_array(subject: Subject, surface: FloatArray, spacing: tuple[float, float,
     return found.values * [1, turn], ~found.declined
 
 
-def exactly(subject: Subject, cube: Cube, window: str, method: str, found: FloatArray,
-            should: FloatArray) -> FloatArray:
+def exactly(
+    subject: Subject, cube: Cube, window: str, method: str, found: FloatArray, should: FloatArray
+) -> FloatArray:
     """Effect over tolerance at each wavenumber, (n,), of velocities (n, 2) that are known exactly.
 
     `EXACT`, or for the NSP a score within `FLATTER` of that of the exact velocity, whichever is kinder. A method the
@@ -116,10 +152,18 @@ def verdict(over: FloatArray, cube: Cube, found: FloatArray, should: FloatArray,
         raise Unanswered(Verdict.MISSING, f"has no answer that can be judged at k = {vector(cube.wavenumbers)}")
     n = int(np.nanargmax(over))
     error = np.hypot(*(found - should).T)
-    return Outcome(float(over[n]), f"at k = {cube.wavenumbers[n]:.4g} got {vector(found[n])}, should be "
-                   f"{vector(should[n])}: {error[n]:.2g} c0 off, {over[n]:.2g} times what is allowed",
-                   figures={"wavenumbers": cube.wavenumbers.tolist(), "velocities": found.tolist(),
-                            "should_be": should.tolist(), "over": over.tolist(), **figures})
+    return Outcome(
+        float(over[n]),
+        f"at k = {cube.wavenumbers[n]:.4g} got {vector(found[n])}, should be "
+        f"{vector(should[n])}: {error[n]:.2g} c0 off, {over[n]:.2g} times what is allowed",
+        figures={
+            "wavenumbers": cube.wavenumbers.tolist(),
+            "velocities": found.tolist(),
+            "should_be": should.tolist(),
+            "over": over.tolist(),
+            **figures,
+        },
+    )
 
 
 def room(cube: Cube, window: str, method: str) -> FloatArray:
@@ -142,6 +186,38 @@ def in_the_mean(subject: Subject, cube: Cube, window: str, method: str) -> Outco
         raise Unanswered(Verdict.MISSING, f"has no answer that can be judged at k = {vector(cube.wavenumbers)}")
     error = np.hypot(*(found - cube.truth).T)
     mean, allowed = float(error[there].mean()), float(room(cube, window, method)[there].mean())
-    return Outcome(mean / allowed, f"{mean:.3g} c0 off in the mean of {int(there.sum())} wavenumbers, should be below "
-                   f"{allowed:.3g}", figures={"wavenumbers": cube.wavenumbers.tolist(), "velocities": found.tolist(),
-                                              "should_be": cube.truth.tolist(), "errors": error.tolist()})
+    return Outcome(
+        mean / allowed,
+        f"{mean:.3g} c0 off in the mean of {int(there.sum())} wavenumbers, should be below {allowed:.3g}",
+        figures={
+            "wavenumbers": cube.wavenumbers.tolist(),
+            "velocities": found.tolist(),
+            "should_be": cube.truth.tolist(),
+            "errors": error.tolist(),
+        },
+    )
+
+
+@lru_cache(maxsize=256)
+def expected(cube: Cube, window: str, method: str) -> Extraction:
+    """The reference's answer. A window or method that it does not know stands for Hann and the NSP."""
+    window, method = window if window in WINDOWS else "hann", method if method == "ls" else "nsp"
+    return fast.realize(cube.components, cube.grid, cube.wavenumbers, windows=(window,), methods=(method,))[
+        window, method
+    ]
+
+
+def unflagged(cube: Cube, window: str, method: str) -> npt.NDArray[np.bool_]:
+    """The shells (n,) of which the reference has a number and nothing to note."""
+    return np.array([not note for note in expected(cube, window, method).notes])
+
+
+@lru_cache(maxsize=8)
+def _spectrum(cube: Cube, window: str) -> Spectrum:
+    return fourier(cube.surface, cube.grid, window, workers=1)
+
+
+def score(cube: Cube, window: str, wavenumber: float, velocity: FloatArray) -> float:
+    """N of eq:normSp at a velocity (2,), as the reference sees the cube."""
+    shell = shell_at(_spectrum(cube, window), wavenumber)
+    return normalized_scalar_product(shell, velocity, WIDTH * cube.grid.frequency_resolution)

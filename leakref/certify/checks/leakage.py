@@ -7,7 +7,7 @@ import numpy as np
 from leakref._base import FloatArray
 from leakref.certify.checks import inputs
 from leakref.certify.checks.inputs import SEA, Cube, polar
-from leakref.certify.checks.expected import expected, unflagged
+from leakref.certify.checks.criteria import expected, unflagged
 from leakref.certify.checks.criteria import IN_THE_MEAN, ask, bare, each_method, exactly, in_the_mean, taper, verdict
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.checks.statistics import excess, share

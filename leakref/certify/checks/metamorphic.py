@@ -9,7 +9,7 @@ import numpy as np
 from leakref._base import FloatArray
 from leakref.certify.checks import inputs
 from leakref.certify.checks.inputs import Cube, polar
-from leakref.certify.checks.expected import unflagged
+from leakref.certify.checks.criteria import unflagged
 from leakref.certify.checks.criteria import FRACTION, as_array, bare, each_method, taper, verdict
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.subject.frames import Subject

@@ -6,7 +6,7 @@ import numpy as np
 
 from leakref.certify.checks import inputs
 from leakref.certify.checks.inputs import BRIEF, SEA, polar
-from leakref.certify.checks.expected import unflagged
+from leakref.certify.checks.criteria import unflagged
 from leakref.certify.checks.criteria import FRACTION, IN_THE_MEAN, ask, bare, each_method, in_the_mean, taper, verdict
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.subject.frames import Subject

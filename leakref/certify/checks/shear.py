@@ -8,7 +8,7 @@ import numpy.typing as npt
 from leakref._base import FloatArray
 from leakref.certify.checks import inputs
 from leakref.certify.checks.inputs import Cube
-from leakref.certify.checks.expected import unflagged
+from leakref.certify.checks.criteria import unflagged
 from leakref.certify.checks.criteria import IN_THE_MEAN, ask, each_method, in_the_mean, taper, vector
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.subject.frames import Subject

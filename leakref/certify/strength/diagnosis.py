@@ -25,7 +25,7 @@ import numpy.typing as npt
 from leakref._base import FloatArray, LeakrefError
 from leakref.certify.strength import faults
 from leakref.certify.certificate import SOUND, Certificate
-from leakref.certify.choice import chosen
+from leakref.certify.runner import chosen
 from leakref.certify.subject.declaration import Declaration
 from leakref.certify.subject.inprocess import InProcess
 from leakref.certify.checks.registry import Case, Check

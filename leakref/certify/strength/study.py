@@ -10,45 +10,35 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, as_completed
-from contextlib import contextmanager
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.stats import binomtest
-from scipy.stats import t as student
 
-from leakref import fast, kept, runs, sources
-from leakref._base import FloatArray
+from leakref import kept, runs, sources
 from leakref._output import dump, envelope, folder, plain, progress_bar, write_whole
-from leakref.certify.checks import inputs
-from leakref.certify.strength import faults, variants
-from leakref.certify.choice import chosen
-from leakref.certify.strength.faults import FAULTS, Fault
-from leakref.certify.subject.inprocess import InProcess
 from leakref.certify.checks.criteria import NEVER
-from leakref.certify.checks.registry import CHECKS, FAMILIES, Case, Check
-from leakref.certify.checks.statistics import FALSE_ALARMS, share
+from leakref.certify.checks.registry import FAMILIES, Case, Check
+from leakref.certify.runner import chosen
+from leakref.certify.strength import faults, variants
+from leakref.certify.strength.alarms import errors_of, false_alarms, seas
+from leakref.certify.strength.faults import FAULTS, Fault
+from leakref.certify.strength.fresh import fresh
 from leakref.certify.strength.variants import VARIANTS
+from leakref.certify.subject.inprocess import InProcess
 from leakref.certify.verdict import WRONG, Finding, Verdict
-from leakref.dispersion import Current, ExponentialCurrent, LinearCurrent, UniformCurrent
-from leakref.golden import locate
 from leakref.golden.beside import noted
-from leakref.grid import Grid
+from leakref.golden.sets import locate
 
-__all__ = ["DISTINCT", "SEEDS", "Job", "classes", "compute", "false_alarms", "fresh", "jobs", "run", "study"]
+__all__ = ["DISTINCT", "SEEDS", "Job", "classes", "compute", "jobs", "run", "study"]
 
 SEEDS = 200
 """Fresh seeds of the full study, shared among the variants."""
 DISTINCT = 10.0
 """Effect over tolerance that every fault must have on its witness."""
-RESAMPLINGS = 100_000
-_STORED = 100  # realisations of each sea of the statistical checks
 _SEEN = ("signs", "recovery", "metamorphic", "leakage", "currents", "shear", "scale")  # families that look at seas
-_TURNS = [np.array(m) for m in ([[1, 0], [0, 1]], [[0, -1], [1, 0]], [[-1, 0], [0, -1]], [[0, 1], [-1, 0]],
-                                [[1, 0], [0, -1]], [[0, 1], [1, 0]], [[-1, 0], [0, 1]], [[0, -1], [-1, 0]])]
 
 
 @dataclass(frozen=True)
@@ -74,9 +64,13 @@ class Job:
 def jobs(*, full: bool = False) -> list[Job]:
     """What there is to do, in the order in which it is reported."""
     shared = [Job("variant", list(VARIANTS)[seed % len(VARIANTS)], seed) for seed in range(SEEDS if full else 0)]
-    nulls = [Job("null", name) for name in _seas()] if full else []
-    return [*(Job("fault", name, full=full) for name in FAULTS), *(Job("variant", name) for name in VARIANTS), *shared,
-            *nulls]
+    nulls = [Job("null", name) for name in seas()] if full else []
+    return [
+        *(Job("fault", name, full=full) for name in FAULTS),
+        *(Job("variant", name) for name in VARIANTS),
+        *shared,
+        *nulls,
+    ]
 
 
 @cache
@@ -90,13 +84,14 @@ def compute(job: Job) -> dict[str, Any]:
     with runs.one_thread():
         if job.kind == "fault":
             return fault_record(FAULTS[job.id], full=job.full)
-        return variant_record(job.id, job.seed) if job.kind == "variant" else {"id": job.id, "errors": _errors(job.id)}
+        return (
+            variant_record(job.id, job.seed) if job.kind == "variant" else {"id": job.id, "errors": errors_of(job.id)}
+        )
 
 
-# ---------------------------------------------------------------- faults
-
-def fault_record(fault: Fault, *, full: bool = False,
-                 make: Callable[[str], Any] = faults.implementation) -> dict[str, Any]:
+def fault_record(
+    fault: Fault, *, full: bool = False, make: Callable[[str], Any] = faults.implementation
+) -> dict[str, Any]:
     """What kills a fault, and by how much it exceeds the tolerance of its witness.
 
     Its witness is asked first, then the family meant for it until something there kills it; with `full` every check of
@@ -111,8 +106,14 @@ def fault_record(fault: Fault, *, full: bool = False,
         if _name(pair) not in over and (pair in asked or not _killers(over, fault.family)):
             over[_name(pair)] = _over(pair[0](InProcess(make(fault.id)), pair[1]))
     killers = _killers(over, fault.family)
-    return {"id": fault.id, "family": fault.family, "killed_by": killers[0] if killers else None,
-            "effect_over_tolerance": over.get(fault.witness), "witness": fault.witness, "over": over}
+    return {
+        "id": fault.id,
+        "family": fault.family,
+        "killed_by": killers[0] if killers else None,
+        "effect_over_tolerance": over.get(fault.witness),
+        "witness": fault.witness,
+        "over": over,
+    }
 
 
 def _name(pair: tuple[Check, Case]) -> str:
@@ -149,8 +150,9 @@ def classes(records: Iterable[Mapping[str, Any]]) -> list[list[str]]:
     for record in records:
         over = record["over"]
         for first, members in groups:
-            if first.keys() == over.keys() and np.allclose([first[name] for name in over], list(over.values()),
-                                                           rtol=1e-3, atol=1e-2):
+            if first.keys() == over.keys() and np.allclose(
+                [first[name] for name in over], list(over.values()), rtol=1e-3, atol=1e-2
+            ):
                 members.append(record["id"])
                 break
         else:
@@ -165,66 +167,20 @@ def _families(records: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
     not held to it, and has the other families alone to find its mistakes.
     """
     kills = {r["id"]: set(_kills(r)) - ({"conformance"} if r["family"] != "conformance" else set()) for r in records}
-    return [{"family": family, "meant": sum(r["family"] == family for r in records),
-             "kills": sum(family in _kills(r) for r in records),
-             "only": [name for name, by in kills.items() if by == {family}]} for family in FAMILIES]
+    return [
+        {
+            "family": family,
+            "meant": sum(r["family"] == family for r in records),
+            "kills": sum(family in _kills(r) for r in records),
+            "only": [name for name, by in kills.items() if by == {family}],
+        }
+        for family in FAMILIES
+    ]
 
 
-# ---------------------------------------------------------------- variants
-
-def _turned(current: Current | None, turn: FloatArray) -> Any:
-    def by(velocity: Sequence[float]) -> tuple[float, float]:
-        u, v = (turn @ np.asarray(velocity)).tolist()
-        return u, v
-
-    if isinstance(current, LinearCurrent):
-        return LinearCurrent(by(current.surface), by(current.shear))
-    if isinstance(current, ExponentialCurrent):
-        return replace(current, surface=by(current.surface))
-    assert current is None or isinstance(current, UniformCurrent)
-    return UniformCurrent(by(current.velocity) if current else (0.0, 0.0))
-
-
-@contextmanager
-def fresh(seed: int) -> Iterator[None]:
-    """Within it the checks see other water: every sea with new phases, on a new grid, turned or mirrored as a whole.
-
-    Sizes change by up to three samples and lengths by up to 8 %; every pair of waves is turned with the seas, and its
-    current moved by up to 0.03 c0 along each axis. The same seed is the same water.
-    """
-    rng = np.random.default_rng(seed)
-    turn, moved = _TURNS[rng.integers(8)], rng.uniform(-0.03, 0.03, 2)
-    grids: dict[Grid, Grid] = {}
-    sea, pair = inputs.sea, inputs.pair
-
-    def other(grid: Grid) -> Grid:
-        if grid not in grids:
-            sizes = [n + int(rng.integers(-3, 4)) for n in grid.shape]
-            steps = [d * n / m * rng.uniform(1, 1.08) for d, n, m in zip(grid.spacing, grid.shape, sizes, strict=True)]
-            grids[grid] = Grid((sizes[0], sizes[1], sizes[2]), (steps[0], steps[1], steps[2]))
-        return grids[grid]
-
-    def fresh_sea(direction: float, spread: float, current: Current | None = None, *, realization: int = 0,
-                  grid: Grid = inputs.SEA, **rest: Any) -> inputs.Cube:
-        x, y = turn @ np.array(inputs.polar(1.0, direction))
-        return sea(float(np.degrees(np.arctan2(y, x))), spread, _turned(current, turn),
-                   realization=realization + 1000 * (seed + 1), grid=other(grid), **rest)
-
-    def fresh_pair(grid: Grid, first: tuple[int, int], second: tuple[int, int],
-                   near: tuple[float, float]) -> inputs.Cube:
-        one, two = ((int(i), int(j)) for i, j in (turn @ np.array([first, second]).T).T)
-        u, v = (turn @ np.array(near) + moved).tolist()
-        return pair(grid, one, two, (u, v))
-
-    vars(inputs).update(sea=fresh_sea, pair=fresh_pair)
-    try:
-        yield
-    finally:
-        vars(inputs).update(sea=sea, pair=pair)
-
-
-def variant_record(identifier: str, seed: int | None = None, *,
-                   make: Callable[[str], Any] = variants.implementation) -> dict[str, Any]:
+def variant_record(
+    identifier: str, seed: int | None = None, *, make: Callable[[str], Any] = variants.implementation
+) -> dict[str, Any]:
     """The checks of the quick profile that a variant should pass and does not, on their own inputs or on fresh ones."""
     exact = VARIANTS[identifier].grade == "conformant" if identifier in VARIANTS else False
     if seed is None:
@@ -235,70 +191,21 @@ def variant_record(identifier: str, seed: int | None = None, *,
         with fresh(seed):
             found = [check(InProcess(make(identifier)), case) for check, case in pairs]
     wrong = [f for f in found if f.verdict in WRONG]
-    return {"id": identifier, "seed": seed, "checks": sum(f.verdict is Verdict.PASS for f in found) + len(wrong),
-            "wrong": {f.id: f.message for f in wrong}}
+    return {
+        "id": identifier,
+        "seed": seed,
+        "checks": sum(f.verdict is Verdict.PASS for f in found) + len(wrong),
+        "wrong": {f.id: f.message for f in wrong},
+    }
 
 
-# ---------------------------------------------------------------- false alarms
-
-def _seas() -> dict[str, Mapping[str, Any]]:
-    """The seas of the statistical check by name, without the number of realisations."""
-    chosen()  # loads the checks
-    return {case.id.rpartition("-")[0]: case.given for case in CHECKS["leakage.bias"].cases}
-
-
-def _errors(name: str) -> dict[str, Any]:
-    """Of stored realisations of a sea: mean |c - U| over the unflagged shells by method, and the smaller resolution."""
-    given = _seas()[name]
-    current = UniformCurrent(inputs.polar(given["speed"], given["direction"] + 70))
-    errors: dict[str, list[float]] = {"nsp": [], "ls": []}
-    for number in range(_STORED):
-        cube = inputs.sea(given["direction"], given["spread"], current, realization=10_000 + number)
-        answers = fast.realize(cube.components, cube.grid, cube.wavenumbers, windows=("hann",), methods=tuple(errors))
-        for method, found in errors.items():
-            answer = answers["hann", method]
-            clear = np.array([not note for note in answer.notes])
-            if clear.any():
-                found.append(float(np.hypot(*(answer.velocities - cube.truth)[clear].T).mean()))
-    return {**errors, "resolution": float(cube.resolutions[0].mean())}
-
-
-def false_alarms(errors: Mapping[str, Mapping[str, Any]], resamplings: int = RESAMPLINGS) -> dict[str, Any]:
-    """How often a whole run of the statistical checks rejects a code that is no worse than the margin allows.
-
-    Under the null hypothesis the code's errors are those of the reference in other realisations than the reference is
-    given, plus the whole margin: no code that is allowed is rejected more often. A second count leaves the margin out.
-    """
-    from leakref.certify.checks.leakage import MARGIN
-
-    rng = np.random.default_rng(0)
-    alarmed = {"at_margin": np.zeros(resamplings, dtype=bool), "as_good": np.zeros(resamplings, dtype=bool)}
-    tests = [(case.id.rpartition("-")[0], case.given["count"]) for case in CHECKS["leakage.bias"].cases]
-    methods = ("nsp", "ls")
-    for name, count in tests:
-        margin = MARGIN * errors[name]["resolution"]
-        for method in methods:
-            stored = np.array(errors[name][method])
-            i = rng.integers(0, stored.size, (resamplings, count))
-            j = (i + rng.integers(1, stored.size, i.shape)) % stored.size
-            d = stored[i] - stored[j]
-            room = student.isf(share(len(methods)), count - 1) * d.std(axis=1, ddof=1) / np.sqrt(count)
-            alarmed["at_margin"] |= d.mean(axis=1) > room
-            alarmed["as_good"] |= d.mean(axis=1) > margin + room
-    return {"resamplings": resamplings, "tests": len(tests) * len(methods), "nominal": FALSE_ALARMS,
-            **{name: _rate(int(which.sum()), resamplings) for name, which in alarmed.items()}}
-
-
-def _rate(alarms: int, resamplings: int) -> dict[str, Any]:
-    """With its Clopper-Pearson interval at 95 %."""
-    interval = binomtest(alarms, resamplings).proportion_ci(method="exact")
-    return {"alarms": alarms, "rate": alarms / resamplings, "interval": [float(interval.low), float(interval.high)]}
-
-
-# ---------------------------------------------------------------- the study
-
-def study(*, full: bool = False, work: Path | None = None, executor: Executor | None = None,
-          after_each: Callable[[], object] = lambda: None) -> dict[str, Any]:
+def study(
+    *,
+    full: bool = False,
+    work: Path | None = None,
+    executor: Executor | None = None,
+    after_each: Callable[[], object] = lambda: None,
+) -> dict[str, Any]:
     """The record of the whole study (CONTRACT.md, `leakref strength`).
 
     Jobs go to `executor` (default: this process). With a folder `work` each result is written there as it comes, and
@@ -326,15 +233,30 @@ def _computed(waiting: Sequence[Job], executor: Executor | None) -> Iterator[tup
         yield futures[future], plain(future.result())
 
 
-def _summary(killed: Sequence[Mapping[str, Any]], trials: Sequence[Mapping[str, Any]],
-             errors: Mapping[str, Any], *, full: bool) -> dict[str, Any]:
-    mutants = [{**{key: value for key, value in r.items() if key != "over"},
-                "words": FAULTS[r["id"]].words, "kills": _kills(r)} for r in killed]
-    judged = [{"id": name, "grade": VARIANTS[name].grade, "words": VARIANTS[name].words,
-               "rejected": sum(bool(t["wrong"]) for t in own), "runs": len(own),
-               "checks": sum(t["checks"] for t in own),
-               "wrong": [{"seed": t["seed"], **{"id": k, "message": v}} for t in own for k, v in t["wrong"].items()]}
-              for name in VARIANTS if (own := [t for t in trials if t["id"] == name])]
+def _summary(
+    killed: Sequence[Mapping[str, Any]], trials: Sequence[Mapping[str, Any]], errors: Mapping[str, Any], *, full: bool
+) -> dict[str, Any]:
+    mutants = [
+        {
+            **{key: value for key, value in r.items() if key != "over"},
+            "words": FAULTS[r["id"]].words,
+            "kills": _kills(r),
+        }
+        for r in killed
+    ]
+    judged = [
+        {
+            "id": name,
+            "grade": VARIANTS[name].grade,
+            "words": VARIANTS[name].words,
+            "rejected": sum(bool(t["wrong"]) for t in own),
+            "runs": len(own),
+            "checks": sum(t["checks"] for t in own),
+            "wrong": [{"seed": t["seed"], **{"id": k, "message": v}} for t in own for k, v in t["wrong"].items()],
+        }
+        for name in VARIANTS
+        if (own := [t for t in trials if t["id"] == name])
+    ]
     record: dict[str, Any] = {"full": full, "faults": mutants, "variants": judged}
     if full:
         record |= {"families": _families(killed), "classes": classes(killed), "false_alarms": false_alarms(errors)}
@@ -355,8 +277,10 @@ def problems(record: Mapping[str, Any]) -> list[str]:
             said.append(f"the fault {r['id']} leaves a code sound, and {', '.join(others)} rejects it")
     for v in record["variants"]:
         if v["rejected"]:
-            said.append(f"the variant {v['id']} was rejected {v['rejected']} times in {v['runs']} runs, by "
-                        f"{', '.join(sorted({row['id'] for row in v['wrong']}))}")
+            said.append(
+                f"the variant {v['id']} was rejected {v['rejected']} times in {v['runs']} runs, by "
+                f"{', '.join(sorted({row['id'] for row in v['wrong']}))}"
+            )
     said += [f"no fault is meant for {row['family']}" for row in record.get("families", ()) if not row["meant"]]
     alarms = record.get("false_alarms")
     if alarms and alarms["at_margin"]["interval"][0] > alarms["nominal"]:
@@ -364,8 +288,9 @@ def problems(record: Mapping[str, Any]) -> list[str]:
     return said
 
 
-def run(*, full: bool = False, out: Path = Path("leakref-results/strength"), workers: int = 2,
-        json: bool = False) -> int:
+def run(
+    *, full: bool = False, out: Path = Path("leakref-results/strength"), workers: int = 2, json: bool = False
+) -> int:
     """The command: study, print, write `strength.json` into `out`; 0 if the suite holds, 1 if it falls short."""
     work = folder(out) / "work"
     with runs.pool(workers) as executor, progress_bar("strength", len(jobs(full=full))) as step:
@@ -425,11 +350,15 @@ def show(record: Mapping[str, Any]) -> None:
         correct.add_row(v["id"], v["grade"], str(v["runs"]), rejected)
     print_(correct)
     for row in record.get("families", ()):
-        print_(f"{row['family']} kills {row['kills']} faults, {row['meant']} are meant for it and {len(row['only'])} "
-               "no other family kills")
+        print_(
+            f"{row['family']} kills {row['kills']} faults, {row['meant']} are meant for it and {len(row['only'])} "
+            "no other family kills"
+        )
     if alarms := record.get("false_alarms"):
         rate = alarms["at_margin"]
-        print_(f"false alarms in a whole run: {rate['rate']:.2e} (95 %: {rate['interval'][0]:.1e} to "
-               f"{rate['interval'][1]:.1e}) of {alarms['resamplings']} resamplings")
+        print_(
+            f"false alarms in a whole run: {rate['rate']:.2e} (95 %: {rate['interval'][0]:.1e} to "
+            f"{rate['interval'][1]:.1e}) of {alarms['resamplings']} resamplings"
+        )
     for line in record["problems"]:
         print_(f"[red]{line}[/]")

@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy import io
 
-from leakref.cubes import files
+from leakref.cubes import formats
 from leakref._base import LeakrefError
 from leakref._output import dump, folder, write_whole
 from leakref.certify.verdict import Unanswered, Verdict, printable
@@ -209,9 +209,9 @@ def _packed(stream: BinaryIO, path: Path, name: str, shape: Sequence[int]) -> np
     if size > 64 * count + 2**20:  # it may hold more than it was asked for, four arrays
         raise Unanswered(Verdict.FAIL, f"its output {path.name} takes {size} bytes, should be {count} numbers")
     try:
-        found = files.variables(path, (name,), stream=stream, most=count)
+        found = formats.variables(path, (name,), stream=stream, most=count)
     except LeakrefError as error:
-        verdict = Verdict.FAIL if isinstance(error, files.TooLarge) else Verdict.ERROR
+        verdict = Verdict.FAIL if isinstance(error, formats.TooLarge) else Verdict.ERROR
         raise Unanswered(verdict, f"its output {error.fault}") from None
     if name not in found:
         raise Unanswered(Verdict.FAIL, f"its output {path.name} does not hold {name}")

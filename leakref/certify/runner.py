@@ -1,0 +1,168 @@
+"""Running the checks over an implementation, in several processes of it at once, to a certificate."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import AbstractContextManager
+from fnmatch import fnmatchcase
+from queue import Empty, SimpleQueue
+from time import perf_counter
+
+from leakref._base import LeakrefError
+from leakref.certify import checks
+from leakref.certify.certificate import Certificate, Known
+from leakref.certify.checks import conformance
+from leakref.certify.checks.registry import FAMILIES, Case, Check
+from leakref.certify.subject.frames import Subject
+from leakref.certify.verdict import Finding, Verdict
+
+__all__ = ["certify", "chosen", "judged", "run_check"]
+
+Pair = tuple[Check, Case]
+
+
+def certify(
+    target: str,
+    subjects: Sequence[AbstractContextManager[Subject]],
+    checks: Sequence[Pair],
+    *,
+    profile: str,
+    golden: int = 1,
+    known: Mapping[str, Known] | None = None,
+    after_each: Callable[[Finding], object] = lambda finding: None,
+) -> Certificate:
+    """Run `checks` over an implementation and say what they amount to.
+
+    `subjects` are as many independent sessions with it as shall work side by side. The findings are in the order of
+    the checks, whichever session made them. Raises LeakrefError for a known failure that is no check's id.
+    """
+    known = dict(known or {})
+    ids = {identifier for check, _ in chosen(golden=golden) for identifier, _ in check.ids()}
+    if unknown := sorted(set(known) - ids):
+        raise LeakrefError(
+            "certify",
+            f"the known failure {unknown[0]!r} is none of the {len(ids)} there are",
+            "correct the id; `leakref certify --list` prints all",
+        )
+    start = perf_counter()
+    waiting: SimpleQueue[int] = SimpleQueue()
+    for number in range(len(checks)):
+        waiting.put(number)
+    found: dict[int, Finding] = {}
+
+    def work(subject: Subject) -> None:
+        for number in _taken(waiting):
+            (found[number],) = judged([checks[number]], subject, after_each)
+
+    opened: list[Subject] = []
+
+    def open_and_work(session: AbstractContextManager[Subject]) -> None:
+        with session as subject:
+            opened.append(subject)
+            work(subject)
+
+    first, *others = subjects
+    with first as subject, ThreadPoolExecutor(max(1, len(others))) as threads:
+        try:
+            beside = [threads.submit(open_and_work, session) for session in others]
+            work(subject)
+            for done in beside:
+                done.result()
+        except BaseException:
+            deque(_taken(waiting), maxlen=0)
+            for session in subjects:
+                getattr(session, "interrupt", bool)()  # nobody waits for what they are at
+            raise
+    findings = [found[number] for number in range(len(checks))]
+    findings += _left_over([subject, *opened])
+    return Certificate(
+        target, profile, f"v{golden}", subject.declaration.record(), findings, known, seconds=perf_counter() - start
+    )
+
+
+def _left_over(subjects: Sequence[Subject]) -> list[Finding]:
+    """What an implementation did to its input in a session in which no check has looked for it since."""
+    done = list(dict.fromkeys(violation for subject in subjects for violation in subject.violations))
+    return (
+        [
+            Finding(
+                "behaviour.input[whole-run]",
+                "behaviour",
+                Verdict.FAIL,
+                "; ".join(done),
+                label="protocol",
+                repro="leakref certify TARGET --only behaviour --keep FOLDER",
+            )
+        ]
+        if done
+        else []
+    )
+
+
+def _taken(waiting: SimpleQueue[int]) -> Iterator[int]:
+    while True:
+        try:
+            yield waiting.get_nowait()
+        except Empty:
+            return
+
+
+def chosen(patterns: Sequence[str] = (), *, profile: str = "full", golden: int = 1) -> list[tuple[Check, Case]]:
+    """Checks and cases whose id, check or family matches one of the patterns (default: all) in a profile.
+
+    Conformance is to golden set number `golden`. Raises LeakrefError for a pattern that matches nothing in any profile.
+    """
+    order, every = {family: n for n, family in enumerate(FAMILIES)}, checks.load()
+    if golden != 1:
+        every = {**every, **conformance.of_set(golden)}
+    found = [
+        (identifier, c, case)
+        for c in sorted(every.values(), key=lambda c: order[c.family])
+        for identifier, case in c.ids()
+    ]
+
+    def matches(pattern: str, identifier: str, c: Check) -> bool:
+        return pattern in (identifier, c.id, c.family) or any(
+            fnmatchcase(name, pattern.replace("[", "[[]")) for name in (identifier, c.id)
+        )
+
+    for pattern in patterns:
+        if not any(matches(pattern, identifier, c) for identifier, c, _ in found):
+            raise LeakrefError(
+                "checks",
+                f"no check is called {pattern!r}",
+                f"families are {', '.join(FAMILIES)}; `leakref certify --list` prints all ids",
+            )
+    return [
+        (c, case)
+        for identifier, c, case in found
+        if (profile == "full" or case.quick)
+        and (not patterns or any(matches(pattern, identifier, c) for pattern in patterns))
+    ]
+
+
+def run_check(identifier: str, subject: Subject) -> Finding:
+    """One check on one case by the id of its finding."""
+    ((c, case),) = chosen([identifier])
+    return c(subject, case)
+
+
+def judged(
+    pairs: Sequence[tuple[Check, Case]],
+    subject: Subject,
+    after_each: Callable[[Finding], object] = lambda finding: None,
+) -> list[Finding]:
+    """All findings. A fault of a check itself is not the implementation's: it is raised, with the id."""
+    findings = []
+    for c, case in pairs:
+        try:
+            finding = c(subject, case)
+        except (LeakrefError, OSError, MemoryError):  # of the harness, such as a disk that is full
+            raise
+        except Exception as error:
+            raise RuntimeError(f"check {c.id}[{case.id}] is broken: {type(error).__name__}: {error}") from error
+        findings.append(finding)
+        after_each(finding)
+    return findings

@@ -1,0 +1,79 @@
+"""`leakref export`: a sea of the paper as a cube, for another implementation."""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+
+from leakref._base import LeakrefError, positive
+from leakref._output import dump, envelope, folder
+from leakref.cases import configurations
+from leakref.cubes import files, formats
+from leakref.dispersion import Scales
+
+__all__ = ["export"]
+
+_SUFFIXES = {".mat": "mat", ".nc": "netcdf", ".npz": "npz"}
+
+
+def export(
+    case: str,
+    *,
+    realization: int,
+    format: str | None,
+    out: Path,
+    peak_wavenumber: float | None,
+    gravity: float | None,
+    json: bool,
+) -> bool:
+    """Write one realisation of a paper case with its truth to `out`; returns True. Raises LeakrefError."""
+    format = format or _SUFFIXES.get(out.suffix.lower(), "npz")
+    if format not in files.FORMATS:
+        raise LeakrefError("export", f"no format is called {format!r}", f"choose one of {', '.join(files.FORMATS)}")
+    chosen = configurations([case])
+    if len(chosen) > 1:
+        raise LeakrefError(
+            "export", f"{case} has {len(chosen)} configurations", f"name one of {' '.join(c.id for c in chosen)}"
+        )
+    if (peak_wavenumber is None) != (gravity is None):
+        raise LeakrefError(
+            "export",
+            "only one of --peak-wavenumber and --gravity was given",
+            "give both for SI units, or neither for scaled ones",
+        )
+    scales = None
+    if peak_wavenumber is not None and gravity is not None:
+        positive("export", peak_wavenumber=peak_wavenumber, gravity=gravity)
+        scales = Scales(peak_wavenumber, gravity)
+    if format == "netcdf":
+        formats.netcdf_library()
+    folder(out.parent)
+    if out.is_dir():
+        raise LeakrefError("export", f"{out} is a folder", "name the file to write")
+    configuration = chosen[0]
+    cube = files.of_configuration(configuration, realization, scales)
+    files.write(out, cube, format, {"case": configuration.id, "realization": str(realization)})
+    with out.open("rb") as stream:
+        digest = hashlib.file_digest(stream, "sha256").hexdigest()
+    if json:
+        print(
+            dump(
+                envelope(
+                    "export",
+                    True,
+                    path=out,
+                    sha256=digest,
+                    case=configuration.id,
+                    realization=realization,
+                    format=format,
+                    units=cube.units,
+                    gravity=cube.gravity,
+                    shape=cube.grid.shape,
+                    spacing=cube.grid.spacing,
+                    current=cube.current,
+                )
+            )
+        )
+    else:
+        print(f"{out}  {' x '.join(map(str, cube.grid.shape))} samples, units: {cube.units}, sha256 {digest}")
+    return True

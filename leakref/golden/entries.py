@@ -1,0 +1,287 @@
+"""The records of a golden set: what an entry holds, and how each is computed by its routes."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import cache, partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from leakref import ensemble, kept, runs, sources
+from leakref._base import FloatArray, LeakrefError
+from leakref._output import plain as to_json
+from leakref.cases import REALIZATIONS, Configuration
+from leakref.chain import METHODS, analyse
+from leakref.ensemble import Ensemble
+from leakref.golden.ids import CERTIFIED, configuration_of, ensemble_id, realization_id
+from leakref.golden.records import entry_record, head_of, vector_record
+from leakref.golden.sets import Entry, tolerance
+from leakref.golden.stages.velocities import UNFLAGGED, softness, velocity_conditioning
+from leakref.golden.vectors import VECTORS
+from leakref.shell import Extraction, Note
+from leakref.spectrum import Spectrum, fourier
+from leakref.synthesis import synthesize
+
+__all__ = ["certified", "closed_form", "described", "inherit", "make", "statistics_of"]
+
+Step = Callable[[], object]
+
+
+def described(c: Configuration) -> dict[str, Any]:
+    """A configuration in words of JSON: enough to make it without this package's table of cases."""
+    return {
+        "configuration": c.id,
+        "direction": c.direction,
+        "spread": c.spread,
+        "peakedness": c.peakedness,
+        "length": c.length,
+        "duration": c.duration,
+        "speed": c.speed,
+        "current_direction": c.current_direction,
+        "rotation": c.rotation,
+        "shape": list(c.grid.shape),
+        "spacing": list(c.grid.spacing),
+        "windows": list(c.windows),
+        "wavenumbers": c.wavenumbers.tolist(),
+    }
+
+
+def _one_by_one(c: Configuration, number: int) -> Iterator[Spectrum]:
+    """Route A, one window at a time and no more than the surface and one spectrum in memory."""
+    waves, grid = c.components(number), c.grid
+    eta = synthesize(waves, *(grid.samples(axis) for axis in range(3)))
+    reach = float(c.wavenumbers[-1]) + 3 * grid.wavenumber_resolution
+    near = [np.flatnonzero(np.abs(grid.bins(axis)) * grid.bin_widths[axis] <= reach) for axis in (0, 1)]
+    for name in c.windows:
+        whole = fourier(eta, grid, name, workers=1)
+        cropped = Spectrum(grid, name, whole.i[near[0]], whole.j[near[1]], whole.values[np.ix_(*near)])
+        del whole
+        yield cropped
+
+
+def _by_surface(c: Configuration, number: int) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Velocities and notes by route A, and the conditioning of each velocity."""
+    found: dict[str, Any] = {}
+    conditioning: dict[str, Any] = {}
+    turns = float(4 + np.log2(np.prod(c.grid.shape)) + 2 * np.pi * (3.5 * c.length * 2 + 1.9 * c.duration))
+    notes: dict[str, Any] = {}
+    for spectrum in _one_by_one(c, number):
+        for method in METHODS:
+            one = analyse(spectrum, c.wavenumbers, method=method)
+            name = f"{spectrum.window}_{method}"
+            found[name], notes[name] = one.velocities, _names(one)
+            conditioning[name] = velocity_conditioning(spectrum, one, turns)
+    return {**found, "notes": notes}, conditioning
+
+
+def _names(found: Extraction) -> list[list[str]]:
+    return [note.names for note in found.notes]
+
+
+def closed_form(c: Configuration, number: int) -> dict[str, Any]:
+    """Velocities and notes by route B."""
+    found = {f"{window}_{method}": one for (window, method), one in ensemble.realize(c, number, route="B").items()}
+    return {
+        **{name: one.velocities for name, one in found.items()},
+        "notes": {name: _names(one) for name, one in found.items()},
+    }
+
+
+_DSV_DECISIONS = tuple(f"D{n}" for n in (1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 13, 15, 16, 17, 18, 19, 22))
+
+
+def _realization(c: Configuration, number: int) -> dict[str, Any]:
+    """The record of one realisation by routes A and B.
+
+    Where the routes do not agree within the conditioning there is no certified number: null, with that reason. It
+    happens only in noted shells, where a rounding may decide which basin the search ends in; elsewhere it is refused.
+    """
+    a, conditioning = _by_surface(c, number)
+    b = closed_form(c, number)
+    reasons: dict[str, list[str]] = {}
+    for name, kappa in conditioning.items():
+        allowed = np.array([tolerance(x) for x in kappa])
+        apart = ~(np.abs(a[name] - b[name]).max(axis=1) <= allowed) & np.isfinite(a[name]).all(axis=1)
+        for n in np.flatnonzero(apart):
+            if not a["notes"][name][n] and not b["notes"][name][n]:
+                raise LeakrefError(
+                    "golden.regenerate",
+                    f"{realization_id(c, number)}: routes A and B give "
+                    f"{a[name][n]} and {b[name][n]} in {name}, shell {n}, which has no note, where "
+                    f"{allowed[n]:.2g} is allowed",
+                    "find out why; nothing was written",
+                )
+        for one in (a, b):
+            one[name] = np.where(apart[:, None], np.nan, one[name])
+        conditioning[name] = [float("nan") if gone else x for x, gone in zip(kappa, apart, strict=True)]
+        reasons[name] = [
+            ("routes A and B differ; " if gone else "") + ", ".join(a["notes"][name][n])
+            if gone or not np.isfinite(a[name][n]).all()
+            else ""
+            for n, gone in enumerate(apart)
+        ]
+    notes = a.pop("notes")
+    b.pop("notes")
+    head = head_of(
+        realization_id(c, number),
+        "realization",
+        "hard",
+        "a whole sea through the whole chain, shell by shell: any slip that the small vectors miss",
+        "sec:NSP",
+        _DSV_FAULTS,
+        _DSV_DECISIONS,
+    )
+    given = {name: said for name, said in reasons.items() if any(said)}
+    extra = {"notes": notes, **({"reasons": given} if given else {})}
+    return entry_record(head, {**described(c), "realization": number}, {"A": a, "B": b}, "A", conditioning, extra)
+
+
+_DSV_FAULTS = (
+    "negated-current",
+    "flipped-x",
+    "flipped-y",
+    "exchanged-axes",
+    "solve-sign-slip",
+    "hard-coded-width",
+    "extra-branch",
+    "no-taper",
+)
+_STATISTICS = ("bias", "random", "mean", "standard_error", "count")
+
+
+def statistics_of(e: Ensemble) -> dict[str, FloatArray]:
+    return {name: np.asarray(getattr(e, name), dtype=np.float64) for name in _STATISTICS}
+
+
+def _ensembles(
+    c: Configuration, found: Sequence[Ensemble], worse: Sequence[Mapping[tuple[str, str], list[float]]]
+) -> list[dict[str, Any]]:
+    """Records of the ensembles of a configuration: route B, confirmed by the realisations done by A as well.
+
+    `worse`, one for each realisation, is what `_softnesses` says of its velocities.
+    """
+    records = []
+    for e in found:
+        name = (e.window, e.method)
+        per_velocity = UNFLAGGED / tolerance(1.0) * np.array([one[name] for one in worse])  # (R, n)
+        there = np.isfinite(e.magnitudes)
+        mean = np.where(there, per_velocity, 0).sum(axis=0) / np.maximum(e.count, 1)
+        spread = 2 * np.sqrt(np.where(there, per_velocity**2, 0).sum(axis=0) / np.maximum(e.count - 1, 1))
+        conditioning = {
+            "bias": mean.tolist(),
+            "mean": mean.tolist(),
+            "random": spread.tolist(),
+            "count": 0.0,
+            "standard_error": (spread / np.sqrt(np.maximum(e.count, 1))).tolist(),
+        }
+        head = head_of(
+            ensemble_id(c, *name),
+            "ensemble",
+            "hard",
+            "bias and random part over many seas: a slip too small or too rare for one sea",
+            "sec:parameters",
+            _DSV_FAULTS,
+            (*_DSV_DECISIONS, "D12"),
+        )
+        frequency, wavenumber = e.resolutions
+        extra = {
+            "resolution_frequency": frequency.tolist(),
+            "resolution_wavenumber": wavenumber.tolist(),
+            "flagged": {n: e.noted(note).tolist() for note in Note for n in note.names if e.noted(note).any()},
+        }
+        given = {**described(c), "window": e.window, "method": e.method, "realizations": len(e.velocities)}
+        records.append(entry_record(head, given, {"B": statistics_of(e)}, "B", conditioning, extra))
+    return records
+
+
+def inherit(record: dict[str, Any], certified: Mapping[str, Entry]) -> None:
+    """Give an ensemble, which is by route B alone, the digits that both routes share in its certified realisations."""
+    c, name = configuration_of(record["id"]), f"{record['input']['window']}_{record['input']['method']}"
+    ids = [realization_id(c, number) for number in CERTIFIED]
+    if missing := [i for i in ids if i not in certified]:
+        raise LeakrefError(
+            "golden.regenerate",
+            f"{record['id']} has its digits from {missing[0]}, which is not there",
+            f"make that first: leakref golden regenerate '{missing[0]}'",
+        )
+    digits = min(certified[i].record["accuracy"][name]["digits"] for i in ids)
+    for statistic, said in record["accuracy"].items():
+        if statistic != "count":  # a whole number
+            said["digits"] = min(said["digits"], digits)
+
+
+def _softnesses(c: Configuration, number: int) -> dict[tuple[str, str], list[float]]:
+    """By how much each velocity of a realisation is worse conditioned than `UNFLAGGED`; 1 where there is none."""
+    with threadpool_limits(limits=1):
+        found = ensemble.realize(c, number, route="B")
+    return {
+        (window, method): [
+            softness(method, float(score), hessian) if np.isfinite(score) else 1.0
+            for score, hessian in zip(one.score, one.hessian, strict=True)
+        ]
+        for (window, method), one in found.items()
+    }
+
+
+def make(
+    wanted: Sequence[str], old: Mapping[str, Entry], work: Path | None, workers: int, step: Step
+) -> Iterator[dict[str, Any]]:
+    """The records of the `wanted` ids, from the inputs of `old` ones.
+
+    Slow ones that were done before, by the same source, are found in `work`.
+    """
+    vectors = {v.id: v for members in VECTORS.values() for v in members}
+    for identifier in (i for i in wanted if i in vectors):
+        yield vector_record(vectors[identifier], old.get(identifier))
+        step()
+    for record in certified([i for i in wanted if i.startswith("realization-")], work, workers):
+        yield record
+        step()
+    rest = [i for i in wanted if i.startswith("ensemble-")]
+    configurations = list(dict.fromkeys(configuration_of(i) for i in rest))
+    with runs.pool(workers) as executor:
+        for found in runs.run(
+            configurations, realizations=REALIZATIONS, folder=work and work / "runs", executor=executor
+        ):
+            c = found[0].configuration
+            soft = (map if executor is None else executor.map)(partial(_softnesses, c), range(REALIZATIONS))
+            for record in _ensembles(c, found, list(soft)):
+                if record["id"] in rest:
+                    yield record
+                    step()
+
+
+def certified(wanted: Sequence[str], work: Path | None, workers: int) -> Iterator[dict[str, Any]]:
+    """The records of realisations, in order; several at a time with several `workers`, each with up to 9 GB."""
+    one = partial(_certify, work=work)
+    with runs.pool(min(workers, max(1, len(wanted)))) as executor:
+        yield from (map(one, wanted) if executor is None else executor.map(one, wanted))
+
+
+def _certify(identifier: str, work: Path | None) -> dict[str, Any]:
+    with threadpool_limits(limits=1):
+        return _resumed(
+            identifier, work, partial(_realization, configuration_of(identifier), int(identifier.rsplit("/", 1)[1]))
+        )
+
+
+def _resumed(identifier: str, work: Path | None, make: Callable[[], dict[str, Any]]) -> dict[str, Any]:
+    """A record from `work`, if an earlier run of the same source left it there, else made and left there."""
+    if work is None:
+        return make()
+    about = {"id": identifier, "source": _source_digest()}
+    path = work / "entries" / f"{kept.key(about)}.json"
+    found = kept.record(path, about)
+    if found is None:
+        found = json.loads(json.dumps(to_json(make())))
+        kept.keep_record(path, about, found)
+    return dict(found)
+
+
+@cache
+def _source_digest() -> str:
+    return sources.digest(__name__)

@@ -1,0 +1,45 @@
+"""The ids of all golden values, and in which file each stands."""
+
+from __future__ import annotations
+
+from leakref.cases import CASES, Configuration
+from leakref.chain import METHODS
+from leakref.golden.vectors import VECTORS
+
+__all__ = ["CERTIFIED", "configuration_of", "ensemble_id", "ids", "realization_id"]
+
+CERTIFIED = (0, 1)
+"""Realisations of every configuration that are golden one by one."""
+
+
+def realization_id(c: Configuration, number: int) -> str:
+    return f"realization-{c.id}/{number}"
+
+
+def ensemble_id(c: Configuration, window: str, method: str) -> str:
+    return f"ensemble-{c.id}/{window}-{method}"
+
+
+def _file_of(part: str, name: str) -> str:
+    return f"{part}/{name}.json"
+
+
+def ids(*parts: str) -> dict[str, str]:
+    """Every id that can be made, and the file it belongs in."""
+    found = {
+        v.id: _file_of(part, v.stage if part == "vectors" else "windows")
+        for part, vectors in VECTORS.items()
+        for v in vectors
+        if part in parts
+    }
+    for c in (c for members in CASES.values() for c in members):
+        if "realizations" in parts:
+            found |= {realization_id(c, n): _file_of("realizations", c.case) for n in CERTIFIED}
+        if "ensembles" in parts:
+            found |= {ensemble_id(c, w, m): _file_of("ensembles", c.case) for w in c.windows for m in METHODS}
+    return found
+
+
+def configuration_of(identifier: str) -> Configuration:
+    name = identifier.split("-", 1)[1].rsplit("/", 1)[0]
+    return next(c for members in CASES.values() for c in members if c.id == name)

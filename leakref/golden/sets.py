@@ -1,0 +1,267 @@
+"""Golden values: where they are, that nobody changed them, and how far from them a number may be.
+
+A set is a folder `v1`, `v2`, ... of JSON files with a manifest; `golden/README.md` describes it for readers in any
+language. An entry has an id for ever, inputs, outputs, and for each output how many digits several routes agreed on.
+
+**Tolerance.** One formula, `tolerance`: a margin of 8 times the rounding of float64, 2^-52, times the conditioning that
+the entry states: by how much, to first order and in the output's own unit, an output moves if every rounding on the
+way is one unit of 2^-52. It is computed when an entry is made (`leakref.golden.entries`), never chosen. Whole numbers
+and phases have conditioning 0: they are compared for equality.
+
+NaN equals nothing. Where there is no number the golden value is null and gives its reason.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from importlib import resources
+from importlib.resources.abc import Traversable
+from typing import Any
+
+import numpy as np
+
+from leakref._base import Damaged, FloatArray, LeakrefError
+from leakref.golden.digests import PUT_BACK, canonical, sealed, strict
+
+__all__ = [
+    "EPSILON",
+    "MARGIN",
+    "SCHEMA_VERSION",
+    "SETS",
+    "Entry",
+    "Failure",
+    "Golden",
+    "Report",
+    "agreed_digits",
+    "compare",
+    "entry_digest",
+    "locate",
+    "tolerance",
+]
+
+EPSILON = 2.0**-52
+MARGIN = 8.0
+"""Between one rounding of every operation, as the conditioning counts it, and what is let pass."""
+SCHEMA_VERSION = 1
+SETS = ("vectors", "analytic", "realizations", "ensembles")
+"""The folders of a set, from quick to slow."""
+
+
+def tolerance(conditioning: float) -> float:
+    """How far from a golden value is still the same: MARGIN x EPSILON x conditioning, in the output's unit."""
+    return MARGIN * EPSILON * conditioning
+
+
+def agreed_digits(difference: float, scale: float) -> float:
+    """Decimal digits to which numbers of size `scale` that differ by `difference` agree, at most those of float64."""
+    most = -math.log10(EPSILON)
+    agreed = most if difference <= EPSILON * scale else min(most, -math.log10(difference / scale))
+    return math.floor(10 * agreed) / 10
+
+
+@dataclass(frozen=True)
+class Failure:
+    """`id` of the entry (or the file) that fell short, the `stage` if known, and `message` saying how."""
+
+    id: str
+    message: str
+    stage: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.id}: {self.message}"
+
+
+@dataclass(frozen=True)
+class Report:
+    """What was looked at: a row for each part of the set, how many golden numbers, what fell short."""
+
+    sets: list[dict[str, Any]]
+    values: int
+    failures: list[Failure] = field(default_factory=list)
+
+    @property
+    def ok(self) -> bool:
+        """Something was looked at and nothing fell short."""
+        return self.values > 0 and not self.failures
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One golden record and the file (relative to its set's folder) it is from."""
+
+    file: str
+    record: Mapping[str, Any]
+    arrays: Mapping[str, FloatArray] = field(default_factory=dict)
+
+    @property
+    def id(self) -> str:
+        """For ever its own."""
+        return str(self.record["id"])
+
+    @property
+    def stage(self) -> str:
+        """What of the chain it is about; a key of `golden.stages.STAGES`, or realization or ensemble."""
+        return str(self.record["stage"])
+
+    @cached_property
+    def input(self) -> dict[str, Any]:
+        """The inputs; arrays kept in an npz are read in."""
+        return {name: self._array(value) for name, value in self.record["input"].items()}
+
+    @cached_property
+    def output(self) -> dict[str, FloatArray]:
+        """The golden values as float64, NaN where they are null."""
+        return {name: np.array(self._array(value), dtype=np.float64) for name, value in self.record["output"].items()}
+
+    def tolerance(self, name: str) -> FloatArray:
+        """Of output `name`: one number, or one for each item of its first axis; infinite where it is null."""
+        given = np.asarray(self.record["accuracy"][name]["tolerance"], dtype=np.float64)
+        return given.reshape(given.shape + (1,) * (self.output[name].ndim - given.ndim if given.ndim else 0))
+
+    def _array(self, value: Any) -> Any:
+        if isinstance(value, dict) and set(value) == {"npz", "array"}:
+            return self.arrays[value["array"]]
+        return value
+
+    @property
+    def values(self) -> int:
+        """How many golden numbers it has."""
+        return int(sum(np.isfinite(v).sum() for v in self.output.values()))
+
+
+def locate(number: int = 1) -> Traversable:
+    """The folder of golden set `number`, as installed. Raises LeakrefError if there is none."""
+    folder = resources.files("leakref._golden").joinpath(f"v{number}")
+    if not folder.joinpath("manifest.json").is_file():
+        raise LeakrefError("golden.locate", f"there is no golden set number {number}", "choose another with --golden")
+    return folder
+
+
+class Golden:
+    """A set of golden values in `folder`.
+
+    Files are read when asked for, and compared with the digests of the manifest before anything in them is used;
+    `Damaged` if one cannot be read or was changed.
+    """
+
+    def __init__(self, folder: Traversable | None = None) -> None:
+        self.folder = locate() if folder is None else folder
+
+    def _read(self, name: str) -> bytes:
+        try:
+            return self.folder.joinpath(*name.split("/")).read_bytes()
+        except OSError as error:
+            raise Damaged("golden", f"{name} cannot be read ({type(error).__name__})", PUT_BACK) from None
+
+    def _json(self, name: str, content: bytes | None = None) -> Any:
+        return strict(name, self._read(name) if content is None else content)
+
+    @cached_property
+    def manifest(self) -> dict[str, Any]:
+        """What the set says it holds."""
+        said = self._json("manifest.json")
+        if not isinstance(said, dict) or not isinstance(said.get("files"), dict) or not sealed(said):
+            raise Damaged("golden", "manifest.json was changed: its own SHA-256 is not that of what it says", PUT_BACK)
+        return said
+
+    def _unchanged(self, name: str) -> bytes:
+        """A file of the set that has the digest of the manifest."""
+        content = self._read(name)
+        if hashlib.sha256(content).hexdigest() != self.manifest["files"].get(name, {}).get("sha256"):
+            raise Damaged("golden", f"{name} was changed: its SHA-256 is not the manifest's", PUT_BACK)
+        return content
+
+    def file(self, name: str) -> list[Entry]:
+        """The entries of one JSON file of the set, with the arrays that lie beside it."""
+        return self.as_it_is(name, self._unchanged)
+
+    def as_it_is(self, name: str, read: Callable[[str], bytes] | None = None) -> list[Entry]:
+        """The same whatever the manifest says: for finding out what was changed."""
+        read = read or self._read
+        beside = name.removesuffix(".json") + ".npz"
+        arrays: dict[str, FloatArray] = {}
+        if self.folder.joinpath(*beside.split("/")).is_file():
+            content = read(beside)
+            try:
+                with np.load(io.BytesIO(content), allow_pickle=False) as stored:
+                    arrays = {key: stored[key] for key in stored.files}
+            except Exception as error:  # zip, CRC, header: whatever an edited archive may raise
+                raise Damaged("golden", f"{beside} cannot be read ({error})", PUT_BACK) from None
+        return [Entry(name, record, arrays) for record in self._json(name, read(name))["entries"]]
+
+    def entries(self, *sets: str) -> Iterator[Entry]:
+        """The entries of the given parts (default: all there are) in the order of the manifest."""
+        for name in self.manifest["files"]:
+            if name.endswith(".json") and name != "schema.json" and (not sets or name.split("/")[0] in sets):
+                yield from self.file(name)
+
+    def entry(self, identifier: str) -> Entry:
+        """The entry of that id. Raises LeakrefError."""
+        for name, row in self.manifest["files"].items():
+            if identifier in row.get("entries", ()):
+                return next(entry for entry in self.file(name) if entry.id == identifier)
+        raise LeakrefError(
+            "golden",
+            f"no golden value is called {identifier!r}",
+            "`leakref golden lint --json` counts what there is; ids are in golden/v1/manifest.json",
+        )
+
+
+def entry_digest(entry: Entry) -> str:
+    """Of the record and of the arrays it names."""
+    used = sorted(
+        {
+            value["array"]
+            for part in ("input", "output")
+            for value in entry.record[part].values()
+            if isinstance(value, dict) and "npz" in value
+        }
+    )
+    content = [canonical(entry.record)]
+    for name in used:
+        array = np.ascontiguousarray(entry.arrays[name], dtype="<f8")
+        content += [name.encode(), str(array.shape).encode(), array.tobytes()]
+    return hashlib.sha256(b"\0".join(content)).hexdigest()
+
+
+def compare(entry: Entry, found: Mapping[str, Any], route: str = "") -> list[Failure]:
+    """How `found`, arrays by output name, falls short of the golden values; empty if it agrees.
+
+    A number is wanted where there is one, and none (NaN) where the golden value is null with its reason.
+    """
+    by = f" by route {route}" if route else ""
+    failures = []
+    for name, golden in entry.output.items():
+        if name not in found:
+            failures.append(Failure(entry.id, f"{name} is missing{by}", entry.stage))
+            continue
+        mine = np.asarray(found[name], dtype=np.float64)
+        if mine.shape != golden.shape:
+            failures.append(
+                Failure(entry.id, f"{name} has shape {mine.shape}{by}, but should be {golden.shape}", entry.stage)
+            )
+            continue
+        with np.errstate(invalid="ignore"):
+            off = np.abs(mine - golden)
+            agrees = (off <= entry.tolerance(name)) | (np.isnan(golden) & np.isnan(mine))
+        if not agrees.all():
+            worst = np.unravel_index(
+                int(np.argmax(np.where(agrees, -1.0, np.where(np.isnan(off), np.inf, off)))), golden.shape
+            )
+            allowed = np.broadcast_to(entry.tolerance(name), golden.shape)[worst]
+            where = list(map(int, worst))
+            failures.append(
+                Failure(
+                    entry.id,
+                    f"{name}{where or ''} is {float(mine[worst])!r}{by}, but should be "
+                    f"{float(golden[worst])!r} within {allowed:.2g}; {int((~agrees).sum())} of "
+                    f"{golden.size} values differ. It is there for: {entry.record['purpose']}",
+                    entry.stage,
+                )
+            )
+    return failures

@@ -1,0 +1,180 @@
+"""Spectra by both routes, and the shells cut out of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from leakref.golden import oracle
+from leakref.golden.stages.stage import (
+    Input,
+    Output,
+    Stage,
+    both_routes,
+    by_surface,
+    grid_of,
+    in_closed_form,
+    listed,
+    real_and_imaginary,
+    relative,
+    rounded,
+    turns,
+)
+from leakref.nsp import WIDTH, characteristic_function
+from leakref.shell import Shell, shell_at
+from leakref.spectrum import Spectrum
+from leakref.window import window
+
+__all__ = ["STAGES", "empty_spectrum", "in_order", "oracle_shell", "oracle_values", "shell_of", "width_of"]
+
+
+def _all_bins(given: Input) -> oracle.Bins:
+    nx, ny, _ = given["shape"]
+    return [(i, j) for i in range(nx) for j in range(ny)]
+
+
+def _spectrum_witness(given: Input, _: Output) -> Output:
+    nx, ny, nt = given["shape"]
+    found = oracle.spectrum(
+        listed(given), given["shape"], given["spacing"], given["window"], _all_bins(given), range(nt)
+    )
+    return {name: v.reshape(nx, ny, nt) for name, v in rounded(found).items()}
+
+
+def _transform_witness(given: Input, _: Output) -> Output:
+    return rounded(oracle.transformed(given["surface"], given["window"]))
+
+
+def _plain_transform(given: Input) -> Output:
+    """By matrices of exponentials instead of the FFT."""
+    eta = np.asarray(given["surface"], dtype=np.float64)
+    for axis, sign in enumerate((-1, -1, 1)):
+        n = eta.shape[axis]
+        m = np.arange(n)
+        matrix = np.exp(sign * 2j * np.pi * (np.outer(m, m) % n) / n) * window(given["window"]).samples(n)
+        eta = np.moveaxis(np.tensordot(matrix, eta, axes=(1, axis)), 0, axis)
+    return real_and_imaginary(eta)
+
+
+def _spectrum_conditioning(given: Input, found: Output) -> Output:
+    largest = float(np.hypot(found["real"], found["imag"]).max())
+    return {"real": largest * turns(given), "imag": largest * turns(given)}
+
+
+def shell_of(spectrum: Spectrum, given: Input) -> Shell:
+    return shell_at(spectrum, given["wavenumber"], gravity=given["gravity"])
+
+
+def in_order(shell: Shell, given: Input) -> Any:
+    """Columns by bin numbers (i, j), ascending."""
+    grid = grid_of(given)
+    i, j = (np.rint(k / dk).astype(int) for k, dk in zip((shell.kx, shell.ky), grid.bin_widths, strict=False))
+    return i, j, np.lexsort((j, i))
+
+
+def empty_spectrum(given: Input) -> Spectrum:
+    grid = grid_of(given)
+    nx, ny, nt = grid.shape
+    return Spectrum(grid, "box", grid.bins(0), grid.bins(1), np.ones((nx, ny, nt // 2 + 1), dtype=np.complex128))
+
+
+def _membership(given: Input) -> Output:
+    shell = shell_of(empty_spectrum(given), given)
+    i, j, order = in_order(shell, given)
+    return {
+        "i": i[order],
+        "j": j[order],
+        "intrinsic": shell.intrinsic[order],
+        "weight": shell.weight,
+        "omega": shell.omega,
+    }
+
+
+def _membership_witness(given: Input, _: Output) -> Output:
+    shell, bins = oracle_shell(given, None)
+    return {
+        "i": [i for i, _ in bins],
+        "j": [j for _, j in bins],
+        "intrinsic": shell.omega0,
+        "weight": shell.weight,
+        "omega": shell.omega,
+    }
+
+
+def oracle_shell(
+    given: Input, values: Callable[[oracle.Bins], Any] | None, wavenumber: float | None = None
+) -> tuple[oracle.Shell, oracle.Bins]:
+    bins = sorted(oracle.shell_bins(given["shape"], given["spacing"], wavenumber or given["wavenumber"]))
+    found = values(bins) if values is not None else None
+    return oracle.Shell(found, bins, given["shape"], given["spacing"], given["gravity"]), bins
+
+
+def oracle_values(given: Input) -> Callable[[oracle.Bins], Any]:
+    """S at given columns, from waves or from a surface."""
+    if "surface" not in given:
+        return lambda bins: oracle.spectrum(listed(given), given["shape"], given["spacing"], given["window"], bins)
+    everything = oracle.transformed(given["surface"], given["window"])
+    return lambda bins: [everything[i][j][: given["shape"][2] // 2 + 1] for i, j in bins]
+
+
+def _magnitude(spectrum: Callable[[Input], Spectrum]) -> Callable[[Input], Output]:
+    def run(given: Input) -> Output:
+        shell = shell_of(spectrum(given), given)
+        return {"F": shell.magnitude[in_order(shell, given)[2]]}
+
+    return run
+
+
+def _magnitude_witness(given: Input, _: Output) -> Output:
+    return {"F": oracle_shell(given, oracle_values(given))[0].f}
+
+
+def width_of(given: Input) -> float:
+    return WIDTH * grid_of(given).frequency_resolution
+
+
+def _characteristic(given: Input) -> Output:
+    shell = shell_of(empty_spectrum(given), given)
+    return {"G": characteristic_function(shell, given["velocity"], width_of(given))[in_order(shell, given)[2]]}
+
+
+def _characteristic_witness(given: Input, _: Output) -> Output:
+    return {"G": oracle.characteristic(oracle_shell(given, None)[0], given["velocity"])}
+
+
+def _characteristic_conditioning(given: Input, _: Output) -> Output:
+    """An exponent 2 z^2 is off by 4 z times the rounding of z, and z exp(-2 z^2) < 0.31."""
+    shell = shell_of(empty_spectrum(given), given)
+    reach = shell.omega[-1] + shell.intrinsic.max() + np.hypot(shell.kx, shell.ky).max() * np.hypot(*given["velocity"])
+    return {"G": float(4 + 4 * reach / width_of(given))}
+
+
+STAGES = {
+    "transform": Stage(
+        "sec:leakage",
+        {"chain": lambda g: real_and_imaginary(by_surface(g).whole()), "matrices": _plain_transform},
+        _transform_witness,
+        _spectrum_conditioning,
+    ),
+    "spectrum": Stage(
+        "sec:NSP_and_leakage",
+        {
+            "A": lambda g: real_and_imaginary(by_surface(g).whole()),
+            "B": lambda g: real_and_imaginary(in_closed_form(g).whole()),
+        },
+        _spectrum_witness,
+        _spectrum_conditioning,
+    ),
+    "shell": Stage("eq:g", {"chain": _membership}, _membership_witness, relative(4, "i", "j", "weight")),
+    "magnitude": Stage(
+        "eq:maskedSpec",
+        both_routes(_magnitude),
+        _magnitude_witness,
+        lambda g, f: {"F": in_closed_form(g).strongest[0] * turns(g)},
+    ),
+    "characteristic": Stage(
+        "eq:DSVkernel", {"chain": _characteristic}, _characteristic_witness, _characteristic_conditioning
+    ),
+}

@@ -1,0 +1,219 @@
+"""Scores, velocities and their statistics."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from leakref._base import FloatArray
+from leakref.cases import Configuration
+from leakref.chain import analyse, extract
+from leakref.ensemble import Ensemble
+from leakref.golden import oracle
+from leakref.golden.sets import tolerance
+from leakref.golden.stages.spectra import oracle_shell, oracle_values, shell_of, width_of
+from leakref.golden.stages.stage import (
+    Input,
+    Output,
+    Stage,
+    both_routes,
+    by_surface,
+    in_closed_form,
+    largest,
+    relative,
+    turns,
+)
+from leakref.nsp import WIDTH, normalized_scalar_product, score_derivatives
+from leakref.shell import Extraction, Shell, shell_at, velocity_unit
+from leakref.spectrum import Spectrum
+
+__all__ = ["STAGES", "UNFLAGGED", "softness", "velocity_conditioning"]
+
+UNFLAGGED = 1e-11
+"""In c0: what a rounding of F moves a velocity by where the optimum is not flat, 530 x 2^-52 at worst, with margin."""
+_FLAT = 0.05  # c0^2 times curvature over N where `flat` begins: below, the figure grows as the curvature falls
+_ILL = 1e3  # the same for LS: of its normal matrix, stiff over soft
+
+
+def _scores(spectrum: Callable[[Input], Spectrum]) -> Callable[[Input], Output]:
+    def run(given: Input) -> Output:
+        shell = shell_of(spectrum(given), given)
+        return {"N": [normalized_scalar_product(shell, c, width_of(given)) for c in given["velocities"]]}
+
+    return run
+
+
+def _scores_witness(given: Input, _: Output) -> Output:
+    shell = oracle_shell(given, oracle_values(given))[0]
+    return {"N": [oracle.score(shell, c)[0] for c in given["velocities"]]}
+
+
+def _derivatives(spectrum: Callable[[Input], Spectrum]) -> Callable[[Input], Output]:
+    def run(given: Input) -> Output:
+        shell = shell_of(spectrum(given), given)
+        n, gradient, hessian = score_derivatives(shell, given["velocity"], width_of(given))
+        return {"N": n, "gradient": gradient, "hessian": hessian}
+
+    return run
+
+
+def _derivatives_witness(given: Input, _: Output) -> Output:
+    shell = oracle_shell(given, oracle_values(given))[0]
+    return dict(zip(("N", "gradient", "hessian"), oracle.score(shell, given["velocity"]), strict=True))
+
+
+def _sensitivity(shell: Shell, velocity: Any, width: float) -> tuple[float, FloatArray]:
+    """How N and its gradient move with F: root of the sum over bins of (dN/dF)^2; sum of the products, (2, 2).
+
+    Of N = scale sum w G F / (sum w G sum w F): derivatives by F at one bin, and those again by the velocity.
+    """
+    g, slope_x, slope_y = (np.zeros_like(shell.magnitude) for _ in range(3))
+    shift = shell.kx * velocity[0] + shell.ky * velocity[1]
+    for centre in (shell.intrinsic + shift, shift - shell.intrinsic):
+        z = (shell.omega - centre[:, None]) / width
+        branch = np.exp(-2 * z**2)
+        g += branch
+        slope_x += 4 * z / width * branch * shell.kx[:, None]
+        slope_y += 4 * z / width * branch * shell.ky[:, None]
+    w = np.broadcast_to(shell.weight, g.shape)
+    energy, total, overlap = (float((w * v).sum()) for v in (shell.magnitude, g, g * shell.magnitude))
+    scale = w.sum() / (energy * total)
+    by_f = scale * w * (g - overlap / energy)
+    rows = []
+    for slope in (slope_x, slope_y):
+        t, b = float((w * slope * shell.magnitude).sum()), float((w * slope).sum())
+        rows.append(scale * w * (slope - t / energy - b / total * (g - overlap / energy)))
+    stacked = np.stack(rows).reshape(2, -1)
+    return float(np.sqrt((by_f**2).sum())), stacked @ stacked.T
+
+
+def _score_conditioning(given: Input, found: Output) -> Output:
+    """Roundings of F (see `_turns`) carried into N; its derivatives have a natural step, 4 k / a, in velocity."""
+    spectrum = in_closed_form(given)
+    shell, width = shell_of(spectrum, given), width_of(given)
+    rounding = spectrum.strongest[0] * turns(given)
+    step = 4 * np.hypot(shell.kx, shell.ky).max() / width
+    own = max(largest(found["N"]) * 4 * (shell.omega[-1] + shell.intrinsic.max()) / width, 4.0)
+    velocities = given.get("velocities") or [given["velocity"]]
+    value = [_sensitivity(shell, c, width)[0] * rounding + own for c in velocities]
+    if "velocities" in given:
+        return {"N": value}
+    return {"N": value[0], "gradient": value[0] * step, "hessian": value[0] * step**2}
+
+
+def softness(method: str, score: float, hessian: FloatArray, unit: float = 1.0) -> float:
+    """How much worse than `UNFLAGGED` an optimum is conditioned: 1, and more where it is flat; `unit` is c0."""
+    curvature = np.abs(np.linalg.eigvalsh(hessian))
+    if method == "nsp":
+        return float(max(1.0, _FLAT * score / max(curvature[0] * unit**2, 1e-300)))
+    return float(max(1.0, curvature[1] / curvature[0] / _ILL))
+
+
+def velocity_conditioning(spectrum: Spectrum, found: Extraction, rounding: float, gravity: float = 1.0) -> list[float]:
+    """Of the velocity at each wavenumber (n,), NaN where there is none; `rounding` of S, in 2^-52 of its largest.
+
+    NSP: the roundings of F move the gradient of N, and the inverse of its Hessian turns that into velocity; besides,
+    those of omega over k. LS: those of omega, through the pseudo-inverse of the wavenumbers of the strong bins. To take
+    all roundings as large as those of the strongest bin is too much where the shell is far below it: the figure for the
+    curvature, `UNFLAGGED` times `softness`, is the most that is allowed.
+    """
+    largest = spectrum.strongest[0] * rounding
+    result = []
+    for k, c, score, hessian in zip(found.wavenumbers, found.velocities, found.score, found.hessian, strict=True):
+        if not np.isfinite(c).all():
+            result.append(float("nan"))
+            continue
+        shell = shell_at(spectrum, float(k), gravity=gravity)
+        own = 4 * (float(shell.omega[-1]) / float(k) + float(np.hypot(*c)))
+        if found.method == "nsp":
+            width = WIDTH * spectrum.grid.frequency_resolution
+            _, spread = _sensitivity(shell, c, width)
+            inverse = np.linalg.inv(hessian)
+            moved = float(np.sqrt(np.trace(inverse @ spread @ inverse.T))) * largest
+            moved += own + 4 * float(score * k) / width * float(np.linalg.norm(inverse, 2))
+        else:
+            soft, stiff = np.linalg.eigvalsh(hessian / 2)
+            count = float(np.trace(hessian / 2)) / float(k) ** 2
+            moved = own * float(np.sqrt(count * k**2 / soft) + stiff / soft)
+        unit = velocity_unit(float(k), gravity, None)
+        most = UNFLAGGED / tolerance(1.0) * unit * softness(found.method, float(score), hessian, unit)
+        result.append(min(moved, most))
+    return result
+
+
+def _velocities(spectrum: Callable[[Input], Spectrum], method: str) -> Callable[[Input], Output]:
+    def run(given: Input) -> Output:
+        found = analyse(spectrum(given), given["wavenumbers"], gravity=given["gravity"], method=method)
+        return _record(found)
+
+    return run
+
+
+def _record(found: Extraction) -> Output:
+    return {"velocities": found.velocities, "notes": [note.names for note in found.notes]}
+
+
+def _velocities_witness(given: Input, first: Output, method: str = "nsp") -> Output:
+    values, result = oracle_values(given), []
+    for k, start in zip(given["wavenumbers"], np.asarray(first["velocities"]), strict=True):
+        if not np.isfinite(start).all() and method == "nsp":
+            result.append([np.nan, np.nan])
+            continue
+        shell = oracle_shell(given, values, k)[0]
+        result.append(oracle.newton(shell, start.tolist()) if method == "nsp" else oracle.least_squares(shell))
+    return {"velocities": result}
+
+
+def _velocities_conditioning(given: Input, method: str) -> Output:
+    spectrum = by_surface(given)
+    found = analyse(spectrum, given["wavenumbers"], gravity=given["gravity"], method=method, search=False)
+    return {"velocities": velocity_conditioning(spectrum, found, turns(given), given["gravity"])}
+
+
+def _extract(given: Input) -> Output:
+    return _record(
+        extract(
+            given["surface"],
+            tuple(given["spacing"]),
+            given["wavenumbers"],
+            gravity=given["gravity"],
+            window=given["window"],
+            method=given["method"],
+        )
+    )
+
+
+def _statistics(given: Input) -> Output:
+    velocities = np.array(given["velocities"], dtype=np.float64)
+    k = np.ones(velocities.shape[1])
+    e = Ensemble(Configuration("golden"), "box", "nsp", k, velocities, np.zeros(velocities.shape[:2], dtype=np.int64))
+    return {"bias": e.bias, "random": e.random, "mean": e.mean, "standard_error": e.standard_error, "count": e.count}
+
+
+STAGES = {
+    "score": Stage("eq:normSp", both_routes(_scores), _scores_witness, _score_conditioning),
+    "derivatives": Stage("eq:normSp", both_routes(_derivatives), _derivatives_witness, _score_conditioning),
+    "nsp": Stage(
+        "eq:normSp",
+        both_routes(lambda s: _velocities(s, "nsp")),
+        _velocities_witness,
+        lambda g, f: _velocities_conditioning(g, "nsp"),
+    ),
+    "ls": Stage(
+        "eq:LS1",
+        both_routes(lambda s: _velocities(s, "ls")),
+        lambda g, first: _velocities_witness(g, first, "ls"),
+        lambda g, f: _velocities_conditioning(g, "ls"),
+    ),
+    "extract": Stage(
+        "sec:NSP",
+        {"chain": _extract},
+        lambda g, first: _velocities_witness(g, first, g["method"]),
+        lambda g, f: _velocities_conditioning(g, g["method"]),
+    ),
+    "statistics": Stage(
+        "sec:parameters", {"chain": _statistics}, lambda g, _: oracle.statistics(g["velocities"]), relative(8, "count")
+    ),
+}

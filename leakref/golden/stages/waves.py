@@ -1,0 +1,262 @@
+"""Grids, dispersion, currents, seas and surfaces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from leakref._base import FloatArray
+from leakref.chain import shell_wavenumbers
+from leakref.dispersion import (
+    Current,
+    ExponentialCurrent,
+    LinearCurrent,
+    ProfileCurrent,
+    Scales,
+    UniformCurrent,
+    group_velocity,
+    intrinsic_frequency,
+    phase_velocity,
+    velocity_resolutions,
+)
+from leakref.golden import oracle
+from leakref.golden.stages.stage import WAVE, Input, Output, Stage, grid_of, largest, listed, relative, waves_of
+from leakref.grid import Grid
+from leakref.sea import SeaState, directional_spreading, jonswap, uniform_phases
+from leakref.synthesis import synthesize
+
+__all__ = ["STAGES"]
+
+
+def _scaled_grid(given: Input) -> Output:
+    grid = Grid.scaled(given["length"], given["duration"])
+    return {
+        "shape": grid.shape,
+        "spacing": grid.spacing,
+        "bin_widths": grid.bin_widths,
+        "wavenumbers": shell_wavenumbers(grid),
+    }
+
+
+def _scaled_grid_witness(given: Input, _: Output) -> Output:
+    mp, mpf = oracle.mp, oracle.mpf
+    sizes = [int(mp.nint(mpf(given["length"]) * 28)), int(mp.nint(mpf(given["duration"]) * 14))]
+    sides = [2 * mp.pi * mpf(given[name]) for name in ("length", "duration")]
+    dk, dw = (2 * mp.pi / side for side in sides)
+    first, last = int(mp.ceil(mpf("0.4") / dk)), int(mp.floor(mpf("3.5") / dk))
+    x, t = (side / n for side, n in zip(sides, sizes, strict=True))
+    return {
+        "shape": [sizes[0], sizes[0], sizes[1]],
+        "spacing": [x, x, t],
+        "bin_widths": [dk, dk, dw],
+        "wavenumbers": [n * dk for n in range(first, last + 1)],
+    }
+
+
+def _bins_of(given: Input) -> Output:
+    grid = grid_of(given)
+    return {
+        "kx": grid.bins(0) * grid.bin_widths[0],
+        "ky": grid.bins(1) * grid.bin_widths[1],
+        "omega": grid.bins(2) * grid.frequency_resolution,
+        "nyquist": grid.nyquist,
+        "resolution": [grid.wavenumber_resolution, grid.frequency_resolution],
+    }
+
+
+def _bins_of_witness(given: Input, _: Output) -> Output:
+    mp = oracle.mp
+    widths = [2 * mp.pi / (n * oracle.mpf(d)) for n, d in zip(given["shape"], given["spacing"], strict=True)]
+    nx, ny, nt = given["shape"]
+    signed = [
+        [(n if n < (size + 1) // 2 else n - size) * width for n in range(size)]
+        for size, width in ((nx, widths[0]), (ny, widths[1]))
+    ]
+    return {
+        "kx": signed[0],
+        "ky": signed[1],
+        "omega": [m * widths[2] for m in range(nt // 2 + 1)],
+        "nyquist": [mp.pi / oracle.mpf(d) for d in given["spacing"]],
+        "resolution": [max(widths[:2]), widths[2]],
+    }
+
+
+def _dispersion(given: Input) -> Output:
+    k, g = given["wavenumber"], given["gravity"]
+    return {
+        "frequency": intrinsic_frequency(k, g),
+        "phase_velocity": phase_velocity(k, g),
+        "group_velocity": group_velocity(k, g),
+    }
+
+
+def _dispersion_witness(given: Input, _: Output) -> Output:
+    g = given["gravity"]
+    omega = [oracle.dispersion(k, g) for k in given["wavenumber"]]
+    return {
+        "frequency": omega,
+        "phase_velocity": [w / k for w, k in zip(omega, given["wavenumber"], strict=True)],
+        "group_velocity": [
+            oracle.mp.diff(lambda k: oracle.dispersion(k, g), oracle.mpf(k)) for k in given["wavenumber"]
+        ],
+    }
+
+
+def _resolutions(given: Input) -> Output:
+    frequency, wavenumber = velocity_resolutions(
+        given["wavenumber"], given["wavenumber_resolution"], given["frequency_resolution"], given["gravity"]
+    )
+    return {"from_frequency": frequency, "from_wavenumber": wavenumber}
+
+
+def _resolutions_witness(given: Input, _: Output) -> Output:
+    g, dk, dw = (oracle.mpf(given[name]) for name in ("gravity", "wavenumber_resolution", "frequency_resolution"))
+    k = [oracle.mpf(v) for v in given["wavenumber"]]
+    return {"from_frequency": [dw / v for v in k], "from_wavenumber": [oracle.mp.sqrt(g / v) / 2 * dk / v for v in k]}
+
+
+def _profile(given: Input) -> ProfileCurrent:
+    """Any current of golden/README.md as a profile, to be integrated."""
+
+    def velocity(z: FloatArray) -> FloatArray:
+        u = np.asarray(given.get("velocity", (0, 0))) + np.outer(z, given.get("shear", (0, 0)))
+        return u + sum((np.outer(np.exp(z / d), (a, b)) for a, b, d in given.get("layers", ())), np.zeros((1, 2)))
+
+    return ProfileCurrent(velocity)
+
+
+@dataclass(frozen=True)
+class _Sum:
+    """Currents add up, and so do their shifts: eq:SJ is linear."""
+
+    parts: tuple[Current, ...]
+
+    def doppler_shift_velocity(self, wavenumber: FloatArray) -> FloatArray:
+        return sum((c.doppler_shift_velocity(wavenumber) for c in self.parts), np.zeros((np.size(wavenumber), 2)))
+
+
+def _closed_current(given: Input) -> Current:
+    """The same current from the closed forms."""
+    velocity, shear = tuple(given.get("velocity", (0.0, 0.0))), given.get("shear")
+    base = LinearCurrent(velocity, tuple(shear)) if shear else UniformCurrent(velocity)
+    return _Sum((base, *(ExponentialCurrent((a, b), depth) for a, b, depth in given.get("layers", ()))))
+
+
+def _shifts(current: Current, given: Input) -> Output:
+    return {"velocity": current.doppler_shift_velocity(np.array(given["wavenumber"]))}
+
+
+def _doppler_witness(given: Input, _: Output) -> Output:
+    return {"velocity": [oracle.doppler(given["current"], k) for k in given["wavenumber"]]}
+
+
+def _scales(given: Input) -> Output:
+    s = Scales(given["peak_wavenumber"], given["gravity"])
+    return {name: getattr(s, name) for name in ("wavenumber", "frequency", "length", "time", "velocity")}
+
+
+def _scales_witness(given: Input, _: Output) -> Output:
+    k = oracle.mpf(given["peak_wavenumber"])
+    omega = oracle.dispersion(k, given["gravity"])
+    return {"wavenumber": k, "frequency": omega, "length": 1 / k, "time": 1 / omega, "velocity": omega / k}
+
+
+def _jonswap_conditioning(given: Input, found: Output) -> Output:
+    """Roundings in the exponents count as often as the exponents are large; the value itself is the scale."""
+    w, s = np.asarray(given["frequency"]), np.asarray(found["density"])
+    sigma = np.where(w <= 1, 0.07, 0.09)
+    r = np.exp(-(((w - 1) / sigma) ** 2) / 2)
+    bell = np.log(given["peakedness"]) * r * (2 + ((w - 1) / sigma) ** 2 + np.abs((w - 1) / sigma**2))
+    return {"density": (s * (8 + 5 * w**-4.0 + bell)).tolist()}
+
+
+def _spreading_conditioning(given: Input, found: Output) -> Output:
+    turn = (largest(given["direction"]) + abs(given["mean"]) + 360) / given["spread"]
+    return {"density": 4 + np.pi * turn}
+
+
+def _phases_witness(given: Input, _: Output) -> Output:
+    return {
+        "phase": [oracle.lattice_phase(given["realization"], i, j) for i, j in zip(given["i"], given["j"], strict=True)]
+    }
+
+
+def _sea(given: Input) -> Output:
+    state = SeaState(
+        given["direction"], given["spread"], given["peakedness"], given["length"], _closed_current(given["current"])
+    )
+    waves = state.components(given["realization"])
+    if given.get("rotation"):
+        waves = waves.rotated(given["rotation"], given["centre"])
+    return {name: getattr(waves, name) for name in WAVE}
+
+
+def _sea_witness(given: Input, _: Output) -> Output:
+    found = oracle.components(given, lambda k: oracle.doppler(given["current"], k))
+    return dict(zip(WAVE, found, strict=True))
+
+
+def _sea_conditioning(given: Input, found: Output) -> Output:
+    k = np.hypot(found["kx"], found["ky"])
+    a, turning = np.asarray(found["amplitude"]), given.get("rotation", 0) != 0
+    centre = np.hypot(*given.get("centre", (0, 0)))
+    amplitude = a * (12 + 2.5 / k**2) + a.max() * 720 * np.pi / given["spread"]
+    slow = _closed_current(given["current"]).doppler_shift_velocity(k)
+    return {
+        "kx": (9 if turning else 3) * k.max(),
+        "ky": (9 if turning else 3) * k.max(),
+        "omega": float((4 * np.sqrt(k) + 6 * k * np.hypot(*slow.T)).max()),
+        "amplitude": amplitude.tolist(),
+        "phase": float(9 * k.max() * centre + 7) if turning else 0.0,
+    }
+
+
+def _surface_conditioning(given: Input, _: Output) -> Output:
+    x, y, t = (largest(given[axis]) for axis in "xyt")
+    w = waves_of(given)
+    turns = np.abs(w.kx) * x + np.abs(w.ky) * y + np.abs(w.omega) * t + np.abs(w.phase)
+    return {"eta": float(np.sum(np.abs(w.amplitude) * (4 + 2 * turns)))}
+
+
+STAGES = {
+    "scaled-grid": Stage("sec:parameters", {"chain": _scaled_grid}, _scaled_grid_witness, relative(6, "shape")),
+    "bins": Stage("app:numdetails", {"chain": _bins_of}, _bins_of_witness, relative(6)),
+    "dispersion": Stage("sec:theory", {"chain": _dispersion}, _dispersion_witness, relative(4)),
+    "resolutions": Stage("eq:dcdwk", {"chain": _resolutions}, _resolutions_witness, relative(6)),
+    "doppler": Stage(
+        "eq:SJ",
+        {
+            "chain": lambda g: _shifts(_closed_current(g["current"]), g),
+            "quadrature": lambda g: _shifts(_profile(g["current"]), g),
+        },
+        _doppler_witness,
+        relative(100),
+    ),
+    "scales": Stage("sec:dimensions", {"chain": _scales}, _scales_witness, relative(4)),
+    "jonswap": Stage(
+        "eq:JONSWAP",
+        {"chain": lambda g: {"density": jonswap(g["frequency"], g["peakedness"])}},
+        lambda g, _: {"density": [oracle.jonswap(w, g["peakedness"]) for w in g["frequency"]]},
+        _jonswap_conditioning,
+    ),
+    "spreading": Stage(
+        "eq:angularspread",
+        {"chain": lambda g: {"density": directional_spreading(g["direction"], g["mean"], g["spread"])}},
+        lambda g, _: {"density": [oracle.spreading(d, g["mean"], g["spread"]) for d in g["direction"]]},
+        _spreading_conditioning,
+    ),
+    "phases": Stage(
+        "sec:spectrum",
+        {"chain": lambda g: {"phase": uniform_phases(g["realization"], np.array(g["i"]), np.array(g["j"]))}},
+        _phases_witness,
+        relative(0, "phase"),
+    ),
+    "components": Stage("eq:amplitudes", {"chain": _sea}, _sea_witness, _sea_conditioning),
+    "surface": Stage(
+        "sec:spectrum",
+        {"chain": lambda g: {"eta": synthesize(waves_of(g), g["x"], g["y"], g["t"])}},
+        lambda g, _: {"eta": oracle.surface(listed(g), g["x"], g["y"], g["t"])},
+        _surface_conditioning,
+    ),
+}
