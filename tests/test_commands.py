@@ -13,7 +13,7 @@ import pytest
 from typer.testing import CliRunner
 
 from leakref import LeakrefError, _output
-from leakref.cli import app
+from leakref.cli.base import app
 
 
 def leakref(*words, cwd=None):

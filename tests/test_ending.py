@@ -19,6 +19,7 @@ COMMANDS = '''
 import os, shutil, sys, time
 from pathlib import Path
 from leakref import cli, ending, runs
+from leakref.cli import base
 
 HERE = Path(__file__).parent
 
@@ -30,12 +31,12 @@ class Slow:
     def __del__(self):
         busy(0)
 
-@cli.command(None)
+@base.command(None)
 def pool() -> bool:
     with runs.pool(2) as executor:
         return bool(list(executor.map(busy, range(4))))
 
-@cli.command(None)
+@base.command(None)
 def deaf() -> bool:
     (HERE / "left").mkdir()
     ending.last_resorts.add(lambda: shutil.rmtree(HERE / "left"))
@@ -45,7 +46,7 @@ def deaf() -> bool:
         except KeyboardInterrupt:
             pass
 
-@cli.command(None)
+@base.command(None)
 def finaliser() -> bool:
     Slow()
     while True:

@@ -248,7 +248,7 @@ COMMANDS = [["certify", "fault:nothing"], ["strength", "--workers", "x"], ["scaf
 
 
 def test_every_command_is_tried_below():
-    from leakref.cli import app
+    from leakref.cli.base import app
 
     named = {(command.name or command.callback.__name__,) for command in app.registered_commands}
     named |= {(group.name, command.name) for group in app.registered_groups

@@ -18,7 +18,7 @@ from leakref import Components, Grid, LeakrefError, Scales, SeaState, UniformCur
 from leakref.cubes import commands, wavenumbers
 from leakref.cubes import files
 from leakref.cases import configurations
-from leakref.cli import app
+from leakref.cli.base import app
 from leakref.dispersion import velocity_resolutions
 
 CASE = "L-T/L=5,T=10"

@@ -15,7 +15,7 @@ import leakref
 from leakref import Grid, LeakrefError, SeaState, UniformCurrent, chain
 from leakref.cubes import blocks
 from leakref.cubes import files
-from leakref.cli import app
+from leakref.cli.base import app
 
 GRID = Grid((20, 22, 32), (0.8, 0.75, 0.9))
 SEA = SeaState(direction=70, spread=60, length=3, current=UniformCurrent((0.07, -0.04))).components(3)

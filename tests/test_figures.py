@@ -22,7 +22,7 @@ from leakref.claims.pictures import decisions_figure, picture
 from leakref.claims.registry import Finding
 from leakref.claims.stored import stored_claims, stored_decisions
 from leakref.claims.words import Reading, Tally
-from leakref.cli import app
+from leakref.cli.base import app
 from leakref.dispersion import velocity_resolutions
 from leakref.figures import extraction_figure, figure, result_figure, screening_figure
 from leakref.paper.figures import RESULTS, stored

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 from leakref import LeakrefError, Scales, ensemble, runs
 from leakref.cases import configurations
-from leakref.cli import app
+from leakref.cli.base import app
 from leakref.ensemble import Ensemble
 from leakref.golden.sets import Golden
 from leakref.planning import plan

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 from leakref import Components, Grid, LeakrefError, SeaState, UniformCurrent, fourier, leakage, synthesize
 from leakref.cubes import files
 from leakref.cases import configurations
-from leakref.cli import app
+from leakref.cli.base import app
 from leakref.dispersion import velocity_resolutions
 from leakref.cubes.screen import (FINE, LEAKAGE, LEAKED_SHARE, NO_SIGNAL, leaked_share, rotate, screen,
                                   shells_with_signal, turned)

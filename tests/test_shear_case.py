@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 
 from leakref import LeakrefError, ProfileCurrent, runs
 from leakref.cases import CASES, configurations
-from leakref.cli import app
+from leakref.cli.base import app
 from leakref.dispersion import intrinsic_frequency
 from leakref.ensemble import Ensemble
 from leakref.paper import shear

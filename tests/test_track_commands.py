@@ -14,7 +14,7 @@ from tools import requires
 
 from leakref.track import history, page
 from leakref.certify import scaffold
-from leakref.cli import app
+from leakref.cli.base import app
 
 CODE = """
 from leakref import extract

@@ -1,0 +1,80 @@
+"""What all commands share: the application, how a command ends, and options that several have."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from functools import wraps
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from leakref import __version__, _caches, _exits, ending
+
+__all__ = ["app"]
+
+JUDGE, DATA, PAPER, UPKEEP = "Judge a code", "Your data", "The paper", "Upkeep"
+app = typer.Typer(
+    name="leakref",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode="rich",
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    help="A reference and test oracle for measuring near-surface currents from images of waves.",
+)
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output.")]
+
+
+@app.callback(invoke_without_command=True)
+def _options(
+    context: typer.Context,
+    version: Annotated[bool, typer.Option("--version", help="Print the version and exit.")] = False,
+    traceback: Annotated[
+        bool,
+        typer.Option("--traceback", help="Where something breaks, show where in the code; also LEAKREF_TRACEBACK=1."),
+    ] = False,
+) -> None:
+    if traceback:
+        os.environ[ending.TRACEBACK] = "1"
+    if context.invoked_subcommand is None and version is True:
+        typer.echo(f"leakref {__version__}")
+    elif context.invoked_subcommand is None:
+        context.fail("Missing command.")
+    elif version is True:  # status 0 is the verdict of a command that ran, and of nothing else
+        context.fail("--version goes without a command.")
+
+
+def command(
+    panel: str | None, name: str | None = None, group: typer.Typer = app
+) -> Callable[[Callable[..., bool | int]], Callable[..., None]]:
+    """A command of `group` whose body returns whether it holds, exit status 0 or 1, or the status itself."""
+
+    def register(body: Callable[..., bool | int]) -> Callable[..., None]:
+        @group.command(name, rich_help_panel=panel)
+        @wraps(body)
+        def run(*args: Any, **kwargs: Any) -> None:
+            _caches.prepare()
+            raise typer.Exit(_exits.status_of(body.__name__.replace("_", " "), lambda: body(*args, **kwargs)))
+
+        return run
+
+    return register
+
+
+golden_app = typer.Typer(no_args_is_help=True, context_settings={"help_option_names": ["-h", "--help"]})
+app.add_typer(golden_app, name="golden", rich_help_panel=UPKEEP, help="The golden values: unchanged? still reproduced?")
+GoldenNumber = Annotated[int, typer.Option("--golden", help="Which set, 1 for golden/v1.")]
+GoldenFolder = Annotated[Path | None, typer.Option("--set", help="Folder of a set, instead of the installed one.")]
+GoldenWork = Annotated[Path, typer.Option(help="Folder where long runs are kept, and resumed from.")]
+Timeout = Annotated[
+    float | None,
+    typer.Option(min=0.1, help="Seconds for a run, default 120 (in full 600), and for the start, default 30."),
+]
+StartTimeout = Annotated[float | None, typer.Option(min=0.1, help="Seconds for the start, if other than --timeout.")]
+Workers = Annotated[int, typer.Option(min=0, help="Processes; 0: one for each core.")]
+track_app = typer.Typer(no_args_is_help=True, context_settings={"help_option_names": ["-h", "--help"]})
+app.add_typer(track_app, name="track", rich_help_panel=UPKEEP, help="Bias over versions: recorded, compared, drawn.")
+HistoryFile = Annotated[Path, typer.Option("--history", help="JSON lines, one an entry; made if it is not there.")]
+HISTORY = Path("leakref-history.jsonl")
