@@ -13,7 +13,8 @@ from test_plan import CAMPAIGN, made
 from test_shear_case import SHEARED, measured
 from typer.testing import CliRunner
 
-from leakref import bench, figures
+from leakref import bench
+from leakref import figures
 from leakref.cases import CASES
 from leakref.certify import bias
 from leakref.chain import analyse
@@ -24,7 +25,8 @@ from leakref.claims.stored import stored_claims, stored_decisions
 from leakref.claims.words import Reading, Tally
 from leakref.cli.base import app
 from leakref.dispersion import velocity_resolutions
-from leakref.figures import extraction_figure, figure, result_figure, screening_figure
+from leakref.cubes.figures import extraction_figure, screening_figure
+from leakref.figures import figure, result_figure
 from leakref.paper.figures import RESULTS, stored
 from leakref.paper.illustrations import ILLUSTRATIONS
 from leakref.paper.shearfigure import shear_figure

@@ -279,7 +279,8 @@ def _write(
     cube: Cube,
 ) -> None:
     """JSON, CSV, figures, and NetCDF where xarray is there."""
-    from leakref.figures import extraction_figure, save, screening_figure
+    from leakref.cubes.figures import extraction_figure, screening_figure
+    from leakref.figures import save
 
     columns = {
         "wavenumber": found.wavenumbers,
