@@ -2,26 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
 
-from leakref import leakage, leastsquares, nsp
+from leakref import leakage
 from leakref._base import ComplexArray, FloatArray, LeakrefError, finite, levelled, positive
+from leakref.dispersion import Water
 from leakref.grid import Grid
+from leakref.methods import METHODS, method as named_method
 from leakref.sea import Components
 from leakref.shell import Extraction
 from leakref.spectrum import Spectrum, fourier
 from leakref.synthesis import synthesize
 from leakref.window import WINDOWS, window
 
-__all__ = ["METHODS", "Implementation", "Reference", "analyse", "extract", "reference", "shell_wavenumbers",
+__all__ = ["Implementation", "Reference", "analyse", "extract", "reference", "shell_wavenumbers",
            "transform"]
-
-METHODS: dict[str, Callable[..., Extraction]] = {"nsp": nsp.extract, "ls": leastsquares.extract}
-"""The two extractions by name."""
 
 
 def shell_wavenumbers(grid: Grid, smallest: float = 0.4, largest: float = 3.5) -> FloatArray:
@@ -32,14 +31,17 @@ def shell_wavenumbers(grid: Grid, smallest: float = 0.4, largest: float = 3.5) -
     return np.arange(first, last + 1) * dk
 
 
-def analyse(spectrum: Spectrum, wavenumbers: npt.ArrayLike, *, gravity: float = 1.0, method: str = "nsp",
-            **settings: Any) -> Extraction:
-    """Velocities from a spectrum by `method` "nsp" or "ls", with `settings` of that method. Raises LeakrefError."""
-    if method not in METHODS:
-        raise LeakrefError("analyse", f"no method named {method!r}", f"choose one of {', '.join(METHODS)}")
-    if method != "nsp":
-        settings = {name: value for name, value in settings.items() if name not in ("peak_wavenumber", "search")}
-    return METHODS[method](spectrum, wavenumbers, gravity=gravity, **settings)
+def analyse(spectrum: Spectrum, wavenumbers: npt.ArrayLike, *, gravity: float = 1.0, water: Water | None = None,
+            method: str = "nsp", **settings: Any) -> Extraction:
+    """Velocities from a spectrum by a `method` of `methods.METHODS`, in `water` or deep water of some `gravity`.
+
+    `settings` are `half_width` and those of the method; of `peak_wavenumber` and `search`, which say how a search is
+    judged, a method takes what it knows. Raises LeakrefError.
+    """
+    record = named_method(method, "analyse")
+    taken = {name: value for name, value in settings.items()
+             if name in record.settings or name not in ("peak_wavenumber", "search")}
+    return record.extract(spectrum, wavenumbers, water=water or Water(gravity), **taken)
 
 
 def extract(surface: npt.ArrayLike, spacing: tuple[float, float, float], wavenumbers: npt.ArrayLike, *,

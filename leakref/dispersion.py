@@ -1,4 +1,13 @@
-"""Deep-water dispersion, the Doppler shift of a current, and what resolution allows."""
+"""The dispersion relation, the Doppler shift of a current, and what resolution allows.
+
+Waves of wavenumber k on a current U(z) are seen at omega = omega0(k) + k.c (eq:SnJ, equation 1): omega0 is that of
+still water, and c the Doppler shift velocity, to first order in U the mean over depth of eq:SJ (equation 3),
+
+    c(k) = 2 k * integral over z < 0 of U(z) exp(2 k z) dz.
+
+Here k is in rad per length, omega in rad per time, z in lengths, upwards from the surface, and U and c in lengths per
+time. `Water` is the only place in the package that knows omega0(k): it travels wherever waves are looked for.
+"""
 
 from __future__ import annotations
 
@@ -12,35 +21,53 @@ from scipy.integrate import quad_vec
 
 from leakref._base import FloatArray, LeakrefError, finite, positive, vector
 
-__all__ = ["Current", "ExponentialCurrent", "LinearCurrent", "ProfileCurrent", "Scales", "UniformCurrent",
-           "group_velocity", "intrinsic_frequency", "phase_velocity", "velocity_resolutions"]
+__all__ = ["DEEP", "Current", "ExponentialCurrent", "LinearCurrent", "ProfileCurrent", "Scales", "UniformCurrent",
+           "Water", "velocity_resolutions"]
 
 
-def intrinsic_frequency(wavenumber: npt.ArrayLike, gravity: float = 1.0) -> FloatArray:
-    """omega0(k) = sqrt(g k) of deep, quiescent water (sec:theory). Any shape; rad per unit time."""
-    return np.sqrt(gravity * np.asarray(wavenumber, dtype=np.float64))
+@dataclass(frozen=True)
+class Water:
+    """Deep, still water of some gravity (sec:theory); another law of dispersion is another class with these methods.
+
+    All take wavenumbers of any shape, rad per length. Raises LeakrefError for a gravity that is not positive.
+    """
+
+    gravity: float = 1.0
+
+    def __post_init__(self) -> None:
+        positive("Water", gravity=self.gravity)
+
+    def frequency(self, wavenumber: npt.ArrayLike) -> FloatArray:
+        """omega0(k) = sqrt(g k), rad per time."""
+        return np.sqrt(self.gravity * np.asarray(wavenumber, dtype=np.float64))
+
+    def phase_velocity(self, wavenumber: npt.ArrayLike) -> FloatArray:
+        """omega0 / k = sqrt(g / k)."""
+        return np.sqrt(self.gravity / np.asarray(wavenumber, dtype=np.float64))
+
+    def group_velocity(self, wavenumber: npt.ArrayLike) -> FloatArray:
+        """d omega0 / d k = sqrt(g / k) / 2."""
+        return self.phase_velocity(wavenumber) / 2
+
+    def density_factor(self, wavenumber: npt.ArrayLike) -> FloatArray:
+        """The factor from a density over frequencies to one over the plane, 2 (d omega0 / d k) / k = sqrt(g) k^-3/2."""
+        return np.sqrt(self.gravity) * np.asarray(wavenumber, dtype=np.float64) ** -1.5
 
 
-def phase_velocity(wavenumber: npt.ArrayLike, gravity: float = 1.0) -> FloatArray:
-    """omega0 / k = sqrt(g / k)."""
-    return np.sqrt(gravity / np.asarray(wavenumber, dtype=np.float64))
-
-
-def group_velocity(wavenumber: npt.ArrayLike, gravity: float = 1.0) -> FloatArray:
-    """d omega0 / d k = sqrt(g / k) / 2."""
-    return phase_velocity(wavenumber, gravity) / 2
+DEEP = Water()
+"""The paper's water, in its scaled units."""
 
 
 def velocity_resolutions(wavenumber: npt.ArrayLike, wavenumber_resolution: float, frequency_resolution: float,
-                         gravity: float = 1.0) -> tuple[FloatArray, FloatArray]:
+                         water: Water = DEEP) -> tuple[FloatArray, FloatArray]:
     """The two Doppler shift resolutions of eq:dcdwk at each wavenumber, in units of velocity.
 
-    Returns (from frequency: domega / k, from wavenumber: d omega0 / d k * dk / k).
+    Returns (from frequency: domega / k, from wavenumber: d omega0 / d k * dk / k). Raises LeakrefError.
     """
     k = finite("velocity_resolutions", "wavenumber", wavenumber)
     positive("velocity_resolutions", wavenumber=k.ravel(), wavenumber_resolution=wavenumber_resolution,
-             frequency_resolution=frequency_resolution, gravity=gravity)
-    return frequency_resolution / k, group_velocity(k, gravity) * wavenumber_resolution / k
+             frequency_resolution=frequency_resolution)
+    return frequency_resolution / k, water.group_velocity(k) * wavenumber_resolution / k
 
 
 class Current(Protocol):
@@ -146,7 +173,7 @@ class Scales:
     @property
     def frequency(self) -> float:
         """omega0 = sqrt(g k0), rad per time."""
-        return float(np.sqrt(self.gravity * self.peak_wavenumber))
+        return float(Water(self.gravity).frequency(self.peak_wavenumber))
 
     @property
     def length(self) -> float:

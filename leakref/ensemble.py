@@ -11,7 +11,8 @@ import numpy as np
 from leakref import fast
 from leakref._base import FloatArray, IntArray
 from leakref.cases import Configuration
-from leakref.chain import METHODS, analyse, transform
+from leakref.chain import analyse, transform
+from leakref.methods import METHODS
 from leakref.dispersion import velocity_resolutions
 from leakref.shell import Extraction, Note
 

@@ -13,11 +13,12 @@ from cycler import cycler
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from leakref.methods import METHODS
 from leakref._base import FloatArray
 from leakref._output import write_whole
 from leakref.cases import Configuration
 
-__all__ = ["COLOURS", "METHOD_WORDS", "WINDOW_WORDS", "Result", "figure", "result_figure", "save", "styled"]
+__all__ = ["COLOURS", "WINDOW_WORDS", "Result", "figure", "result_figure", "save", "styled"]
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 """Okabe and Ito."""
@@ -33,8 +34,6 @@ _WORDS = {"direction": r"$\theta_0$ = {:g}°", "spread": r"$\Delta\theta$ = {:g}
           "current_direction": r"$\theta_U$ = {:g}°", "rotation": "rotated by {:g}°"}
 WINDOW_WORDS = {"box": "no window", "hann": "Hann", "blackman": "Blackman", "kaiser-bessel": "Kaiser-Bessel"}
 """Windows as a reader calls them."""
-METHOD_WORDS = {"nsp": "NSP", "ls": "LS"}
-"""Methods likewise."""
 
 
 class Result(Protocol):
@@ -95,6 +94,7 @@ def result_figure(ensembles: Sequence[Result], title: str, *, logarithmic: bool 
     looks: list[tuple[str, Sequence[Any]]] = [("color", COLOURS), ("linestyle", _LINES), ("marker", _MARKERS)]
     if len(keys) > 3:
         looks = [*looks, ("alpha", (1.0, 0.6, 0.4))]
+    known = WINDOW_WORDS | {record.id: record.title for record in METHODS.values()}
     for e in ensembles:
         column = beside.index(e.window) if e.window in beside else 0
         own = {"window": e.window, "method": e.method, **{name: getattr(e.configuration, name) for name in differing}}
@@ -102,9 +102,9 @@ def result_figure(ensembles: Sequence[Result], title: str, *, logarithmic: bool 
                 for (key, values), (what, choices) in zip(keys, looks, strict=False)}
         look = {"color": COLOURS[0], "lw": 1.3, "ms": 3, "markevery": 3, **look}
         k = e.wavenumbers
-        words = [(WINDOW_WORDS | METHOD_WORDS).get(own[key]) or _WORDS[key].format(own[key]) for key, _ in keys
+        words = [known.get(own[key]) or _WORDS[key].format(own[key]) for key, _ in keys
                  if key != "current_direction" or e.configuration.speed]
-        label = ", ".join(words) or METHOD_WORDS[e.method]
+        label = ", ".join(words) or METHODS[e.method].title
         axes[0, column].plot(k, e.bias, label=label, **look)
         axes[1, column].plot(k, 2 * e.random, **look)
         if with_current:

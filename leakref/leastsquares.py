@@ -6,16 +6,27 @@ import numpy as np
 import numpy.typing as npt
 
 from leakref._base import LeakrefError
+from leakref.dispersion import Water
 from leakref.shell import HALF_WIDTH, Extraction, Note, Optimum, Shell, checked_wavenumbers, collect, nothing, shell_at
 from leakref.spectrum import Spectrum
 
-__all__ = ["SOFT", "THRESHOLD", "extract", "optimum"]
+__all__ = ["FREE", "THRESHOLD", "extract", "optimum", "remarks"]
 
 THRESHOLD = 0.2
 """Bins below this part of the shell's own largest power are discarded (app:numdetails, decision D7)."""
 
-SOFT = 1e-3
-"""Softest over stiffest direction of C: below, the bins lie almost on one line and hardly fix the current across it."""
+_SOFT = 1e-3  # softest over stiffest direction of C: below, the bins lie almost on one line, and hardly fix the current
+
+
+FREE = 1e-9
+"""The same, where there is no number: the bins lie on one line."""
+
+
+def remarks(bins: int, close: bool, soft: float, stiff: float) -> Note:
+    """What is to be said of the fit to so many bins, one of them `close` to the threshold, with these curvatures."""
+    note = Note.THRESHOLD if close else Note.NONE
+    note |= Note.TOO_FEW_BINS if bins < 2 else Note.NONE
+    return note | (Note.FLAT if soft < _SOFT * stiff or not stiff else Note.NONE)
 
 
 def optimum(shell: Shell, threshold: float = THRESHOLD) -> Optimum:
@@ -32,26 +43,24 @@ def optimum(shell: Shell, threshold: float = THRESHOLD) -> Optimum:
     shift = shell.omega[m] - shell.intrinsic[column]
     normal = k @ k.T
     soft, stiff = np.linalg.eigvalsh(normal)
-    note = shell.notes(strong)
-    if np.any(np.abs(power - threshold) < 1e-10):
-        note |= Note.THRESHOLD
-    if column.size < 2:
-        note |= Note.TOO_FEW_BINS
-    if soft < SOFT * stiff:
-        note |= Note.FLAT
-    if soft <= 1e-9 * stiff:
+    note = remarks(column.size, bool(np.any(np.abs(power - threshold) < 1e-10)), soft, stiff) | shell.notes(strong)
+    if soft <= FREE * stiff:
         return nothing(note)
     velocity = np.linalg.solve(normal, k @ shift)
     residual = velocity @ k - shift
-    return velocity, float(residual @ residual), 2 * (k @ residual), 2 * normal, 0, note
+    return Optimum(velocity, float(residual @ residual), 2 * (k @ residual), 2 * normal, 0, note)
 
 
-def extract(spectrum: Spectrum, wavenumbers: npt.ArrayLike, *, gravity: float = 1.0, threshold: float = THRESHOLD,
-            half_width: float = HALF_WIDTH) -> Extraction:
-    """Doppler shift velocities by least squares (sec:LSvsNSP), one for each wavenumber (n,). Raises LeakrefError."""
+def extract(spectrum: Spectrum, wavenumbers: npt.ArrayLike, *, gravity: float = 1.0, water: Water | None = None,
+            threshold: float = THRESHOLD, half_width: float = HALF_WIDTH) -> Extraction:
+    """Doppler shift velocities by least squares (sec:LSvsNSP), one for each wavenumber (n,).
+
+    `water` is the law of dispersion, by default that of deep water of some `gravity`. Raises LeakrefError.
+    """
     k = checked_wavenumbers(wavenumbers, "leastsquares.extract")
     if not (isinstance(threshold, int | float) and 0 < threshold <= 1):
         raise LeakrefError("leastsquares.extract", f"threshold = {threshold}",
                            "give a part of the largest power, above 0 and at most 1")
-    return collect("ls", k, [optimum(shell_at(spectrum, k_i, gravity=gravity, half_width=half_width), threshold)
+    water = water or Water(gravity)
+    return collect("ls", k, [optimum(shell_at(spectrum, k_i, water=water, half_width=half_width), threshold)
                              for k_i in k])

@@ -8,12 +8,13 @@ from scipy.ndimage import maximum_filter
 from scipy.optimize import minimize
 
 from leakref._base import FloatArray, positive
+from leakref.dispersion import Water
 from leakref.shell import (HALF_WIDTH, Extraction, Note, Optimum, Shell, checked_wavenumbers, collect, nothing,
                            shell_at, velocity_unit)
 from leakref.spectrum import Spectrum
 
 __all__ = ["START", "UNKNOWN", "WIDTH", "another_basin", "characteristic_function", "extract", "leaves_the_band",
-           "normalized_scalar_product", "optimum", "score_derivatives"]
+           "normalized_scalar_product", "optimum", "remarks", "score_derivatives"]
 
 WIDTH = 4.0
 """a of eq:DSVkernel in domega (sec:parameters)."""
@@ -40,6 +41,13 @@ def _centres(shell: Shell, velocity: npt.ArrayLike) -> tuple[FloatArray, FloatAr
 def leaves_the_band(centres: FloatArray, last: float) -> bool:
     """Whether most `centres` (n,) are past the `last` frequency: what G then rests on says nothing of the velocity."""
     return bool(np.mean(np.abs(centres) > last) > 0.5)
+
+
+def remarks(bins: int, soft: float, score: float, unit: float, beyond: bool) -> Note:
+    """What is to be said of an optimum: of so many bins in the plane, `soft` curvature, and `beyond` reach or not."""
+    note = Note.TOO_FEW_BINS if bins < _FEW else Note.NONE
+    note |= Note.FLAT if soft * unit**2 < _SOFT * score else Note.NONE
+    return note | (Note.EDGE if beyond else Note.NONE)
 
 
 def characteristic_function(shell: Shell, velocity: npt.ArrayLike, width: float) -> FloatArray:
@@ -175,22 +183,18 @@ def optimum(shell: Shell, width: float, unit: float, *, search: bool = True) -> 
     if beyond and (has_left or soft <= UNKNOWN * stiff):
         return nothing(Note.EDGE, evaluations)
     near = np.any([np.abs(shell.omega - centre[:, None]) <= width for centre in _centres(shell, velocity)], axis=0)
-    note = shell.notes(near)
-    if shell.kx.size < _FEW:
-        note |= Note.TOO_FEW_BINS
-    if soft * unit**2 < _SOFT * score:
-        note |= Note.FLAT
-    if beyond:
-        note |= Note.EDGE
+    note = shell.notes(near) | remarks(shell.kx.size, soft, score, unit, bool(beyond))
     if search and another_basin(shell, velocity, score, width, unit):
         note |= Note.ANOTHER_BASIN
-    return velocity, score, gradient, hessian, evaluations, note
+    return Optimum(velocity, score, gradient, hessian, evaluations, note)
 
 
-def extract(spectrum: Spectrum, wavenumbers: npt.ArrayLike, *, gravity: float = 1.0,
+def extract(spectrum: Spectrum, wavenumbers: npt.ArrayLike, *, gravity: float = 1.0, water: Water | None = None,
             peak_wavenumber: float | None = None, width: float = WIDTH, half_width: float = HALF_WIDTH,
             search: bool = True) -> Extraction:
     """Doppler shift velocities by the normalized scalar product (sec:NSP), one for each wavenumber (n,).
+
+    `water` is the law of dispersion, by default that of deep water of some `gravity`.
 
     `width` a in domega, `half_width` of a shell in dk; `peak_wavenumber` k0 sets the unit of the search (see
     `velocity_unit`). Shells are taken one at a time, so memory does not grow with their number. Raises LeakrefError.
@@ -199,6 +203,6 @@ def extract(spectrum: Spectrum, wavenumbers: npt.ArrayLike, *, gravity: float = 
     positive("nsp.extract", gravity=gravity, width=width, half_width=half_width)
     if peak_wavenumber is not None:
         positive("nsp.extract", peak_wavenumber=peak_wavenumber)
-    a = width * spectrum.grid.frequency_resolution
-    return collect("nsp", k, [optimum(shell_at(spectrum, k_i, gravity=gravity, half_width=half_width), a,
-                                      velocity_unit(k_i, gravity, peak_wavenumber), search=search) for k_i in k])
+    a, water = width * spectrum.grid.frequency_resolution, water or Water(gravity)
+    return collect("nsp", k, [optimum(shell_at(spectrum, k_i, water=water, half_width=half_width), a,
+                                      velocity_unit(k_i, water, peak_wavenumber), search=search) for k_i in k])

@@ -22,14 +22,13 @@ from threadpoolctl import ThreadpoolController
 from leakref import ensemble, kept, sources
 from leakref._base import FloatArray, IntArray, LeakrefError, Trouble
 from leakref.cases import REALIZATIONS, Configuration
-from leakref.chain import METHODS
+from leakref.methods import METHODS
 from leakref.ending import Workers
 from leakref.ensemble import Ensemble
-from leakref.shell import Extraction, Note
+from leakref.shell import Extraction
 
 __all__ = ["Task", "compute", "connected", "one_thread", "pool", "run", "source_digest"]
 
-_NO_NUMBER = Note.NO_SIGNAL | Note.UNCONVERGED
 Part = tuple[FloatArray, IntArray]
 """Velocities (w, m, n, 2) and notes (w, m, n) of one realisation under w windows and m methods."""
 
@@ -97,8 +96,7 @@ def _stored(task: Task, folder: Path | None) -> Part | None:
 def _agree(task: Task, velocities: FloatArray, notes: IntArray) -> bool:
     """Whether there is a number where the notes allow one, and none only where a note says why."""
     there = np.isfinite(velocities)
-    silent = np.full(len(task.methods), _NO_NUMBER.value)
-    silent[[method == "ls" for method in task.methods]] |= Note.TOO_FEW_BINS.value
+    silent = np.array([METHODS[name].silences.value for name in task.methods])
     none = np.isnan(velocities).all(axis=-1)
     return bool((there.all(axis=-1) & (notes & silent[:, None] == 0) | none & (notes != 0)).all())
 

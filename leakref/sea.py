@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from leakref._base import FloatArray, IntArray, LeakrefError, finite, integer, positive
-from leakref.dispersion import Current, Scales, UniformCurrent, intrinsic_frequency
+from leakref.dispersion import DEEP, Current, Scales, UniformCurrent, Water
 from leakref.grid import Grid
 
 __all__ = ["INPUT_SPACING", "LARGEST_WAVENUMBER", "Components", "SeaState", "aligned_waves",
@@ -141,7 +141,7 @@ class SeaState:
         f = directional_spreading(np.degrees(np.arctan2(j, i)), self.direction, self.spread)
         inside = (k > 0) & (k <= LARGEST_WAVENUMBER) & (f > 0)
         i, j, k, f = i[inside], j[inside], k[inside], f[inside]
-        energy = k**-1.5 * jonswap(intrinsic_frequency(k), self.peakedness) * f * dk**2
+        energy = DEEP.density_factor(k) * jonswap(DEEP.frequency(k), self.peakedness) * f * dk**2
         i, j, k, energy = (values[energy > 0] for values in (i, j, k, energy))
         if not k.size:
             raise LeakrefError("SeaState.components", f"no lattice point lies within the spread of {self.spread} "
@@ -150,7 +150,7 @@ class SeaState:
         if shift.shape != (k.size, 2):
             raise LeakrefError("SeaState.components", f"the current gave velocities of shape {shift.shape} for "
                                f"{k.size} wavenumbers", "give two components (x, y) for each")
-        omega = intrinsic_frequency(k) + dk * (i * shift[:, 0] + j * shift[:, 1])
+        omega = DEEP.frequency(k) + dk * (i * shift[:, 0] + j * shift[:, 1])
         return Components(dk * i, dk * j, omega, np.sqrt(energy), uniform_phases(int(realization), i, j))
 
 
@@ -174,7 +174,7 @@ def aligned_waves(grid: Grid, bins: Sequence[tuple[int, int, int]], *, amplitude
         raise LeakrefError("aligned_waves", f"the waves {list(bins)} are parallel", "choose two directions")
     if not k.any(axis=1).all():
         raise LeakrefError("aligned_waves", "a wave has wavenumber zero", "choose bins with i or j other than 0")
-    shift = omega - intrinsic_frequency(np.hypot(*k.T), gravity)
+    shift = omega - Water(gravity).frequency(np.hypot(*k.T))
     current = np.linalg.lstsq(k, shift, rcond=None)[0]
     n = len(bins)
     return Components(k[:, 0], k[:, 1], omega, np.asarray(amplitude[:n]), np.asarray(phase[:n])), current

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from leakref._base import FloatArray, IntArray, LeakrefError, finite, positive
-from leakref.dispersion import intrinsic_frequency, phase_velocity
+from leakref.dispersion import DEEP, Water
 from leakref.spectrum import Spectrum
 from leakref.window import window
 
@@ -56,10 +56,12 @@ class Shell:
     """All bins with |k - k_i| <= `half_width` dk (eq:g): n columns in the plane, each with every omega >= 0.
 
     `magnitude` F = sqrt(P), (n, nw) (eq:maskedSpec); `kx`, `ky`, `intrinsic` omega0 at each bin's own k, (n,);
-    `omega`, `weight` (nw,), `weight` making the half space stand for the whole (decision D5).
+    `omega`, `weight` (nw,), `weight` making the half space stand for the whole (decision D5). `frequency` is omega0 at
+    the shell's own `wavenumber`.
     """
 
     wavenumber: float
+    frequency: float
     kx: FloatArray
     ky: FloatArray
     intrinsic: FloatArray
@@ -70,13 +72,6 @@ class Shell:
     """What the strongest wave of the spectrum and its mirror image may leak here, (n, nw); None if it is here."""
     is_empty: bool
     """Only rounding is here."""
-
-    @property
-    def frequency(self) -> float:
-        """omega0 at the shell's own wavenumber."""
-        n = int(np.argmax(self.intrinsic))
-        k = np.hypot(self.kx[n], self.ky[n])
-        return float(self.intrinsic[n] * np.sqrt(self.wavenumber / k)) if k else 0.0
 
     def notes(self, near: npt.NDArray[np.bool_]) -> Note:
         """LEAKAGE_FLOOR, if nothing at the bins `near` (n, nw) rises above what may have leaked there."""
@@ -103,20 +98,30 @@ class Extraction:
     notes: tuple[Note, ...]
 
 
-Optimum = tuple[FloatArray, float, FloatArray, FloatArray, int, Note]
-"""Velocity (2,), score, gradient (2,), Hessian (2, 2), evaluations, notes."""
+@dataclass(frozen=True, eq=False)
+class Optimum:
+    """What was found in one shell: a row of an Extraction, with `velocity` and `gradient` (2,), `hessian` (2, 2)."""
+
+    velocity: FloatArray
+    score: float
+    gradient: FloatArray
+    hessian: FloatArray
+    evaluations: int
+    note: Note
 
 
 def nothing(note: Note, evaluations: int = 0) -> Optimum:
     """No number, and why."""
-    return np.full(2, np.nan), np.nan, np.full(2, np.nan), np.full((2, 2), np.nan), evaluations, note
+    return Optimum(np.full(2, np.nan), np.nan, np.full(2, np.nan), np.full((2, 2), np.nan), evaluations, note)
 
 
 def collect(method: str, wavenumbers: FloatArray, found: list[Optimum]) -> Extraction:
     """One record of the optima of all shells."""
-    velocity, score, gradient, hessian, evaluations, notes = zip(*found, strict=True)
-    return Extraction(method, wavenumbers, np.array(velocity), np.array(score), np.array(gradient),
-                      np.array(hessian), np.array(evaluations), notes)
+    velocities, score, gradient, hessian, evaluations = (
+        np.array([getattr(one, name) for one in found])
+        for name in ("velocity", "score", "gradient", "hessian", "evaluations"))
+    return Extraction(method, wavenumbers, velocities, score, gradient, hessian, evaluations,
+                      tuple(one.note for one in found))
 
 
 def checked_wavenumbers(wavenumbers: npt.ArrayLike, call: str = "extract") -> FloatArray:
@@ -135,23 +140,23 @@ def _leaked(spectrum: Spectrum, distances: tuple[IntArray, IntArray, IntArray]) 
     return (x * y)[:, None] * t
 
 
-def velocity_unit(wavenumber: float, gravity: float, peak_wavenumber: float | None) -> float:
-    """c0 = sqrt(g / k0), the unit in which the search starts and flags are judged.
+def velocity_unit(wavenumber: float, water: Water, peak_wavenumber: float | None) -> float:
+    """c0, the phase velocity at k0: the unit in which the search starts and flags are judged.
 
     Where the peak is not given: k0 = 1 if gravity is 1 (scaled units), else the shell's own wavenumber, which
     keeps results the same at every scale (decision D21).
     """
-    default = 1.0 if gravity == 1 else wavenumber
-    return float(phase_velocity(peak_wavenumber or default, gravity))
+    default = 1.0 if water.gravity == 1 else wavenumber
+    return float(water.phase_velocity(peak_wavenumber or default))
 
 
-def shell_at(spectrum: Spectrum, wavenumber: float, *, gravity: float = 1.0, half_width: float = HALF_WIDTH) -> Shell:
+def shell_at(spectrum: Spectrum, wavenumber: float, *, water: Water = DEEP, half_width: float = HALF_WIDTH) -> Shell:
     """The shell around `wavenumber` (rad per length), `half_width` in dk.
 
     Raises LeakrefError for a shell that reaches past the Nyquist wavenumber or past the bins of the
     spectrum, or that holds no bin.
     """
-    positive("shell_at", wavenumber=wavenumber, gravity=gravity, half_width=half_width)
+    positive("shell_at", wavenumber=wavenumber, half_width=half_width)
     grid = spectrum.grid
     dk = grid.wavenumber_resolution
     outer, nyquist = wavenumber + half_width * dk, min(grid.nyquist[:2])
@@ -173,5 +178,6 @@ def shell_at(spectrum: Spectrum, wavenumber: float, *, gravity: float = 1.0, hal
         wave, mirror = (_leaked(spectrum, (spectrum.i[a] + sign * i, spectrum.j[b] + sign * j, grid.bins(2) + sign * m))
                         for sign in (-1, 1))
         floor = largest * (wave + mirror)
-    return Shell(float(wavenumber), spectrum.kx[a], spectrum.ky[b], intrinsic_frequency(k[a, b], gravity),
-                 spectrum.omega, spectrum.half_weight, magnitude, floor, not magnitude.max() > _ROUNDING * largest)
+    return Shell(float(wavenumber), float(water.frequency(wavenumber)), spectrum.kx[a], spectrum.ky[b],
+                 water.frequency(k[a, b]), spectrum.omega, spectrum.half_weight, magnitude, floor,
+                 not magnitude.max() > _ROUNDING * largest)

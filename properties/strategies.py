@@ -18,7 +18,7 @@ from hypothesis import HealthCheck, Phase, assume, settings, strategies as st
 import leakref
 from leakref import Components, Grid, SeaState, UniformCurrent, aligned_waves
 from leakref.certify.checks.inputs import Cube, polar
-from leakref.dispersion import intrinsic_frequency
+from leakref.dispersion import DEEP
 from leakref.window import WINDOWS
 
 __all__ = ["PROFILES", "Drawn", "currents", "examples", "grids", "offsets", "pairs", "positions", "seas", "singles",
@@ -123,11 +123,11 @@ def _boxed(draw: st.DrawFn, bins: list[tuple[int, int]], stretch: float) -> tupl
     outer = size.mean() + 2.2 * dk
     least = [int(2 * outer / d) + 2 for d in (stretch, 1.0)]
     nx, ny = (draw(st.sampled_from([n for n in (*SIDES, 41, 53, 64, 81, 97, 128) if n >= m][:4])) for m in least)
-    low, high = (float(intrinsic_frequency(unit * k)) for k in (size.min(), outer))
+    low, high = (float(DEEP.frequency(unit * k)) for k in (size.min(), outer))
     domega = low / draw(st.floats(11.6, 12.6))
     nt = int(2 * (high + 1.2 * unit * outer / np.sqrt(k0)) / domega) + 34 + draw(st.integers(0, 7))
     grid = Grid((nx, ny, nt), (2 * np.pi / (nx * stretch * unit), 2 * np.pi / (ny * unit), 2 * np.pi / (nt * domega)))
-    return grid, [round(float(intrinsic_frequency(unit * k)) / domega) for k in size]
+    return grid, [round(float(DEEP.frequency(unit * k)) / domega) for k in size]
 
 
 @st.composite

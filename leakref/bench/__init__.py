@@ -20,6 +20,7 @@ from leakref._output import dump, envelope, folder, progress_bar, write_whole
 from leakref.cases import Configuration, configurations
 from leakref.bench.limits import (MATRIX, MATRIX_ONE, MEMORY, Machine, closed_form_products, fast_products, fft_traffic,
                             magnitudes_traffic, seconds, synthesis_products)
+from leakref.methods import METHODS
 from leakref.sea import Components
 from leakref.shell import HALF_WIDTH, Extraction
 from leakref.spectrum import fourier
@@ -51,7 +52,7 @@ def literal(configuration: Configuration, realization: int) -> dict[tuple[str, s
     k = configuration.wavenumbers
     spectra = chain.transform(configuration.components(realization), configuration.grid, configuration.windows)
     return {(s.window, method): chain.analyse(s, k, method=method, search=False)
-            for s in spectra for method in chain.METHODS}
+            for s in spectra for method in METHODS}
 
 
 def _stages(configuration: Configuration, machine: Machine) -> list[Row]:

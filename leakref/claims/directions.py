@@ -14,7 +14,7 @@ from leakref.claims.registry import claim
 from leakref.claims.words import (ABOVE, AWAY, BELOW, LEVELS, NEAR, RESOLUTIONS, STATISTICS, WINDOWS, Reading, Sample,
                                   above, across, alike, along, below, bias, either, every, magnitude, pooled, ratio,
                                   significant, smaller)
-from leakref.dispersion import group_velocity
+from leakref.dispersion import DEEP
 
 
 @claim("A1", "theta0 = 90 deg, untapered, k < 1: the mean DSV points along the waves", "sec:NSP_and_leakage",
@@ -169,7 +169,7 @@ def _(see: Evidence) -> Iterator[Reading]:
         order = []
         for spread in SPREADS[:-1]:
             shares = [bias(e).at(lambda k: k > 0) for e in seas[spread]]
-            speeds = [group_velocity(s.k if words == "at the shell" else np.ones_like(s.k)) for s in shares]
+            speeds = [DEEP.group_velocity(s.k if words == "at the shell" else np.ones_like(s.k)) for s in shares]
             s, speed = max(zip(shares, speeds, strict=True), key=lambda pair: float(np.nanmax(pair[0].mean / pair[1])))
             best = s.k == s.k[np.nanargmax(s.mean / speed)]
             share = Sample(s.k[best], s.values[:, best] / speed[best])

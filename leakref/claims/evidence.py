@@ -18,7 +18,8 @@ from scipy.optimize import minimize
 from leakref import fast, kept, leakage, leastsquares, nsp, runs, sources
 from leakref._base import FloatArray, LeakrefError
 from leakref.cases import Configuration
-from leakref.chain import METHODS, analyse
+from leakref.chain import analyse
+from leakref.methods import METHODS
 from leakref.ensemble import Ensemble
 from leakref.sea import Components
 from leakref.shell import Shell, shell_at

@@ -15,6 +15,7 @@ from matplotlib.ticker import MaxNLocator
 from leakref.claims.registry import Finding
 from leakref.claims.words import Reading, Tally
 from leakref.figures import COLOURS, figure, save
+from leakref.methods import METHODS
 from leakref.window import window
 
 __all__ = ["decisions_figure", "draw", "picture"]
@@ -136,7 +137,7 @@ def decisions_figure(result: dict[str, Any]) -> Figure:
     A line for each variant and window, from the median over a bar to the 95th percentile and a point at the largest
     shift, in units of the smaller resolution; what is below 1e-8 stands at the left edge.
     """
-    methods = {"nsp": "NSP", "ls": "LS"}
+    methods = {name: record.title for name, record in METHODS.items()}
     rows = {method: [(record["id"], variant, [row for row in variant["rows"]
                                               if row["case"] == "all" and row["method"] == method])
                      for record in result["decisions"] for variant in record["variants"]

@@ -190,8 +190,8 @@ VARIANTS: dict[str, Variant] = {v.id: v for v in (
     Variant("printed-amplitudes", "D15", "amplitudes as printed: 2 k^-3/2 S f dk",
             _one("sea", "* f * dk**2", "* f * 2 * dk"), realizations=3),
     Variant("encounter-frequency", "D17", "S at the Doppler-shifted frequency",
-            _one("sea", "jonswap(intrinsic_frequency(k), self.peakedness)",
-                 "jonswap(intrinsic_frequency(k) + dk * np.sum(np.stack([i, j], axis=1) * "
+            _one("sea", "jonswap(DEEP.frequency(k), self.peakedness)",
+                 "jonswap(DEEP.frequency(k) + dk * np.sum(np.stack([i, j], axis=1) * "
                  "self.current.doppler_shift_velocity(k), axis=1), self.peakedness)"),
             configurations=(_OPPOSING, _ROTATED), needs="speed"),
     Variant("polar-measure", "D18", "integrals with the measure dtheta dk: weight 1 / k (none at k = 0)",
@@ -208,7 +208,7 @@ VARIANTS: dict[str, Variant] = {v.id: v for v in (
             _one("fast.score", "bx + kx * (m - ring.centre[n]), by + ky * (m - ring.centre[n])",
                  "bx + kx * m, by + ky * m"), ("ls",)),
     Variant("unit-by-shell", "D21", "the phase velocity at the shell's own wavenumber as the unit of the simplex",
-            _one("shell", "phase_velocity(peak_wavenumber or default, gravity)", "phase_velocity(wavenumber, gravity)"),
+            _one("shell", "water.phase_velocity(peak_wavenumber or default)", "water.phase_velocity(wavenumber)"),
             methods=("nsp",)),
     Variant("other-sense", "D23", "video rotated clockwise", _one("cases", "sea.rotated(self.rotation,",
                                                                   "sea.rotated(-self.rotation,"),

@@ -15,11 +15,12 @@ from rich.table import Table
 
 from leakref._base import FloatArray, LeakrefError, levelled
 from leakref._output import console, dump, envelope, folder, write_whole
-from leakref.chain import METHODS, analyse
+from leakref.chain import analyse
+from leakref.methods import method as named_method
 from leakref.cubes import blocks, files, formats, screen
 from leakref.cubes.files import UNITS, Cube
 from leakref.cubes.wavenumbers import default_wavenumbers, parse_numbers, parse_wavenumbers
-from leakref.dispersion import velocity_resolutions
+from leakref.dispersion import Water, velocity_resolutions
 from leakref.shell import HALF_WIDTH, Extraction
 from leakref.spectrum import Spectrum, fourier
 from leakref.window import window as named_window
@@ -62,8 +63,7 @@ def extract(
     found leakage in them. Raises LeakrefError.
     """
     named_window(window)
-    if method not in METHODS:
-        raise LeakrefError("extract", f"no method named {method!r}", f"choose one of {', '.join(METHODS)}")
+    named_method(method, "extract")
     if rotate is not None and not screening:
         raise LeakrefError("extract", "--rotate belongs to the screen", "add --screen")
     if detrend not in blocks.TRENDS:
@@ -79,7 +79,7 @@ def extract(
     except LeakrefError as error:
         raise LeakrefError("extract", f"{file}: {error.fault}", error.remedy) from None
     resolutions = velocity_resolutions(
-        found.wavenumbers, cube.grid.wavenumber_resolution, cube.grid.frequency_resolution, cube.gravity
+        found.wavenumbers, cube.grid.wavenumber_resolution, cube.grid.frequency_resolution, Water(cube.gravity)
     )
     flags = [list(note.names) for note in found.notes]
     if screened is not None and window == "box":  # flags belong to the velocities reported: the untapered ones

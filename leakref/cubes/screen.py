@@ -11,7 +11,7 @@ from scipy import ndimage
 
 from leakref._base import FloatArray, LeakrefError, finite
 from leakref.chain import analyse
-from leakref.dispersion import velocity_resolutions
+from leakref.dispersion import Water, velocity_resolutions
 from leakref.grid import Grid
 from leakref.shell import EDGE_MARGIN, HALF_WIDTH, Extraction, Note
 from leakref.spectrum import Spectrum
@@ -140,7 +140,7 @@ def screen(
     )
     grid = tapered.grid
     resolution = np.maximum(
-        *velocity_resolutions(wavenumbers, grid.wavenumber_resolution, grid.frequency_resolution, gravity)
+        *velocity_resolutions(wavenumbers, grid.wavenumber_resolution, grid.frequency_resolution, Water(gravity))
     )
     off = np.hypot(*(plain.velocities - smooth.velocities).T)
     leaked = leaked_share(untapered, tapered, wavenumbers)
@@ -193,5 +193,5 @@ def turned(
         for n, spectrum in enumerate(spectra):
             measured = analyse(spectrum, wavenumbers[whole], gravity=gravity, method=method, search=False).velocities
             found[n, whole] = measured @ np.array([[c, s], [-s, c]])
-    resolution = np.maximum(*velocity_resolutions(wavenumbers, dk, grid.frequency_resolution, gravity))
+    resolution = np.maximum(*velocity_resolutions(wavenumbers, dk, grid.frequency_resolution, Water(gravity)))
     return Turned(angle, found[0], found[1], resolution, grid.shape[0])

@@ -8,7 +8,7 @@ one thread.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property, lru_cache
 from math import comb, factorial
 from typing import Any
@@ -16,12 +16,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from leakref import leakage, nsp
+from leakref import leakage, leastsquares, nsp
 from leakref._base import FloatArray, LeakrefError, positive
-from leakref.chain import METHODS, analyse
-from leakref.dispersion import intrinsic_frequency
+from leakref.methods import Method, method as named_method
+from leakref.dispersion import Water
 from leakref.grid import Grid
-from leakref.leastsquares import SOFT, THRESHOLD
+from leakref.leastsquares import THRESHOLD
 from leakref.sea import Components
 from leakref.shell import (_ROUNDING, EDGE_MARGIN, HALF_WIDTH, Extraction, Note, Optimum, Shell, checked_wavenumbers,
                            collect, nothing, shell_at, velocity_unit)
@@ -66,21 +66,22 @@ class _Seen:
     def _shell(self, ring: Ring) -> Shell:
         """As shell.shell_at makes it."""
         floor = None if (ring.columns == self.strongest).any() else self.across[:, ring.columns].T @ self.along
-        return Shell(ring.wavenumber * self.step, ring.kx * self.step, ring.ky * self.step, ring.centre * self.step,
-                     self.disc.grid.bins(2) * self.step, self.weight, self.magnitude[ring.columns], floor, False)
+        kx, ky, intrinsic, omega = (bins * self.step
+                                    for bins in (ring.kx, ring.ky, ring.centre, self.disc.grid.bins(2)))
+        return Shell(ring.wavenumber * self.step, ring.frequency * self.step, kx, ky, intrinsic, omega, self.weight,
+                     self.magnitude[ring.columns], floor, False)
 
     def _is_empty(self, ring: Ring) -> bool:
         return not self.largest[ring.columns].max() > _ROUNDING * self.largest[self.strongest]
 
-    def nsp(self, ring: Ring, search: bool) -> Optimum:
+    def nsp(self, ring: Ring, *, search: bool, **_: object) -> Optimum:
         """nsp.optimum."""
         if self._is_empty(ring):
             return nothing(Note.NO_SIGNAL)
         ring, velocity, d = ring._replace(magnitude=self.magnitude), np.empty(2), np.empty(6)
         self.models.made[:] = 0
         used, arrived = climb(ring, self.models, nsp.START, velocity, d)
-        frequency, note = ring.centre.max() * np.sqrt(ring.wavenumber / ring.largest), Note.NONE
-        top = self.magnitude.shape[1] - 1 - frequency - 3 * self.width
+        top = self.magnitude.shape[1] - 1 - ring.frequency - 3 * self.width
         reach = min(nsp._REACH * ring.unit, top / ring.wavenumber)
         beyond, stiff, soft = np.hypot(*velocity) > reach, -principal(d)[1], -principal(d)[0]
         centres = ring.centre + ring.kx * velocity[0] + ring.ky * velocity[1]
@@ -89,19 +90,14 @@ class _Seen:
             return nsp.optimum(self._shell(ring), self.width * self.step, ring.unit, search=search)  # rare
         score = d[0]
         d *= ring.columns.size * self.weight.sum() / self.sums[ring.columns].sum()
+        note = nsp.remarks(ring.columns.size, soft, score, ring.unit, bool(beyond))
         if only_leaked(ring, self.strongest, velocity, 0.0, self.across, self.along):
             note |= Note.LEAKAGE_FLOOR
-        if ring.columns.size < nsp._FEW:
-            note |= Note.TOO_FEW_BINS
-        if soft * ring.unit**2 < nsp._SOFT * score:
-            note |= Note.FLAT
-        if beyond:
-            note |= Note.EDGE
         if search and reach > 0 and (
                 self._another_basin(ring, velocity, score, reach) if self.width >= DENSE else  # the table wants it so
                 nsp.another_basin(self._shell(ring), velocity, float(d[0]), self.width * self.step, ring.unit)):
             note |= Note.ANOTHER_BASIN
-        return velocity, float(d[0]), d[1:3].copy(), d[[3, 4, 4, 5]].reshape(2, 2), int(used), note
+        return Optimum(velocity, float(d[0]), d[1:3].copy(), d[[3, 4, 4, 5]].reshape(2, 2), int(used), note)
 
     def _another_basin(self, ring: Ring, velocity: FloatArray, score: float, reach: float) -> bool:
         """nsp.another_basin."""
@@ -133,35 +129,30 @@ class _Seen:
             np.matmul(f[:, low : high + 1], g.astype(np.float32), out=table[:, p + a : p + a + centres.size])
         return table, *pool(table)
 
-    def ls(self, ring: Ring, threshold: float) -> Optimum:
+    def ls(self, ring: Ring, *, threshold: float, **_: object) -> Optimum:
         """leastsquares.optimum."""
         if self._is_empty(ring):
             return nothing(Note.NO_SIGNAL)
-        ring, out, note = ring._replace(magnitude=self.magnitude), np.empty(8), Note.NONE
-        used, close, flat, bar = least_squares(ring, self.largest, threshold, out)
+        ring, out = ring._replace(magnitude=self.magnitude), np.empty(8)
+        used, close, is_free, bar = least_squares(ring, self.largest, threshold, leastsquares.FREE, out)
+        mean, radius = (out[3] + out[5]) / 2, np.hypot((out[3] - out[5]) / 2, out[4])
+        note = leastsquares.remarks(used, close, mean - radius, mean + radius)
         if only_leaked(ring, self.strongest, out, bar, self.across, self.along):
             note |= Note.LEAKAGE_FLOOR
-        if close:
-            note |= Note.THRESHOLD
-        if used < 2:
-            note |= Note.TOO_FEW_BINS
-        if flat:
-            return nothing(note | Note.FLAT)
-        mean, radius = (out[3] + out[5]) / 2, np.hypot((out[3] - out[5]) / 2, out[4])
-        if mean - radius < SOFT * (mean + radius):
-            note |= Note.FLAT
+        if is_free:
+            return nothing(note)
         out[2:] *= self.step**2
-        return out[:2], float(out[2]), 2 * out[6:], 2 * out[[3, 4, 4, 5]].reshape(2, 2), 0, note
+        return Optimum(out[:2], float(out[2]), 2 * out[6:], 2 * out[[3, 4, 4, 5]].reshape(2, 2), 0, note)
 
 
-def _rings(disc: Disc, wavenumbers: FloatArray, gravity: float, peak_wavenumber: float | None, width: float,
+def _rings(disc: Disc, wavenumbers: FloatArray, water: Water, peak_wavenumber: float | None, width: float,
            half_width: float) -> list[Ring]:
     """The shells, still without magnitudes. Raises LeakrefError as shell.shell_at does."""
     grid, step = disc.grid, disc.grid.frequency_resolution
     dk, nyquist = grid.wavenumber_resolution, min(grid.nyquist[:2])
     kx, ky = (bins * spacing for bins, spacing in zip(disc.bins, grid.bin_widths, strict=False))
     k = np.hypot(kx, ky)
-    centre = intrinsic_frequency(k, gravity) / step
+    centre = water.frequency(k) / step
     half, orders = int(np.ceil(_CUT * width)), range(ORDER)
     u = 2 / width * np.arange(-half, half + 1)
     taps, powers = np.exp(-(u**2) / 2), np.array([u**p / factorial(p) for p in orders])
@@ -171,53 +162,61 @@ def _rings(disc: Disc, wavenumbers: FloatArray, gravity: float, peak_wavenumber:
         columns = np.flatnonzero(np.abs(k - k_i) / dk <= half_width + EDGE_MARGIN)
         if not columns.size or k_i + half_width * dk >= nyquist * (1 - EDGE_MARGIN):
             empty = Spectrum(grid, "box", grid.bins(0), grid.bins(1), np.empty((0, 0, 0), dtype=np.complex128))
-            shell_at(empty, k_i, gravity=gravity, half_width=half_width)  # which says what is wrong
-        unit = velocity_unit(float(k_i), gravity, peak_wavenumber)
+            shell_at(empty, k_i, water=water, half_width=half_width)  # which says what is wrong
+        unit = velocity_unit(float(k_i), water, peak_wavenumber)
         rings.append(Ring(np.empty((0, 0)), columns, kx[columns] / step, ky[columns] / step, centre[columns],
-                           float(k[columns].max()) / step, float(k_i) / step, unit, float(width),
+                           float(k[columns].max()) / step, float(k_i) / step, float(water.frequency(k_i)) / step, unit,
+                           float(width),
                            grid.shape[2] % 2 == 0, taps, powers, binomials))
     return rings
 
 
+_TWINS: dict[str, Callable[..., Optimum]] = {"nsp": _Seen.nsp, "ls": _Seen.ls}
+"""Of the methods that are compiled here; all others are asked as they are."""
+
+
 def _plainly(components: Components, grid: Grid, wavenumbers: FloatArray, windows: Sequence[str],
-             methods: Sequence[str], *, width: float, threshold: float, **settings: Any) -> _Found:
+             methods: Sequence[Method], settings: Mapping[str, Any], **shells: Any) -> _Found:
     """`realize` by the reference itself."""
-    own = {"nsp": {"width": width}, "ls": {"threshold": threshold}}
-    spectra = {name: leakage.spectrum(components, grid, name) for name in windows}
-    return {(name, method): analyse(spectra[name], wavenumbers, method=method, **own[method], **settings)
+    spectra = {name: leakage.spectrum(components, grid, name) for name in windows} if methods else {}
+    return {(name, method.id): method.extract(spectra[name], wavenumbers, **shells, **_own(method, settings))
             for name in windows for method in methods}
+
+
+def _own(method: Method, settings: Mapping[str, Any]) -> dict[str, Any]:
+    return {name: value for name, value in settings.items() if name in method.settings}
 
 
 def realize(components: Components, grid: Grid, wavenumbers: npt.ArrayLike, *,
             windows: Sequence[str] = ("box", "hann"), methods: Sequence[str] = ("nsp", "ls"), gravity: float = 1.0,
-            peak_wavenumber: float | None = 1.0, width: float = nsp.WIDTH, half_width: float = HALF_WIDTH,
-            threshold: float = THRESHOLD, search: bool = True) -> _Found:
+            water: Water | None = None, peak_wavenumber: float | None = 1.0, width: float = nsp.WIDTH,
+            half_width: float = HALF_WIDTH, threshold: float = THRESHOLD, search: bool = True) -> _Found:
     """What `chain.analyse` reports of these waves under every (window, method): velocities to 1e-11, and all notes.
 
     Settings as in `nsp.extract` and `leastsquares.extract`. `evaluations` are those of this way of climbing; the
     strongest bin (Note.LEAKAGE_FLOOR) is that within the outermost shell or wave. Raises LeakrefError.
     """
-    tapers = [named_window(name) for name in windows]
-    for name in methods:
-        if name not in METHODS:
-            raise LeakrefError("realize", f"no method named {name!r}", f"choose one of {', '.join(METHODS)}")
+    tapers, records = [named_window(name) for name in windows], [named_method(name, "realize") for name in methods]
     k = checked_wavenumbers(wavenumbers, "realize")
     positive("realize", gravity=gravity, width=width, half_width=half_width, peak_wavenumber=peak_wavenumber or 1.0)
     if not 0 < threshold <= 1:
         raise LeakrefError("realize", f"threshold = {threshold}",
                            "give a part of the largest power, above 0 and at most 1")
+    water = water or Water(gravity)
+    settings = {"peak_wavenumber": peak_wavenumber, "width": width, "search": search, "threshold": threshold}
     dk, inside = grid.wavenumber_resolution, min(grid.nyquist[:2]) * (1 - EDGE_MARGIN)
     waves = float(np.hypot(components.kx, components.ky).max()) + dk
-    if waves > inside:  # in the corners of the spectrum, where the disc does not reach: let the reference look there
-        return _plainly(components, grid, k, windows, methods, gravity=gravity, peak_wavenumber=peak_wavenumber,
-                        width=width, half_width=half_width, threshold=threshold, search=search)
-    outermost = float(k.max() + half_width * dk)
-    disc = Disc(grid, min(max(outermost, waves), inside) + EDGE_MARGIN * dk)
-    rings = _rings(disc, k, gravity, peak_wavenumber, width, half_width)
-    found = {}
-    for name, magnitude in magnitudes(components, grid, tapers, disc).items():
-        seen = _Seen(disc, name, magnitude, rings)
-        for method in methods:
-            optima = [seen.nsp(ring, search) if method == "nsp" else seen.ls(ring, threshold) for ring in rings]
-            found[name, method] = collect(method, k, optima)
-    return {(name, method): found[name, method] for name in windows for method in methods}
+    # waves in the corners of the spectrum are where the disc does not reach: let the reference look there
+    plain = [record for record in records if waves > inside or record.id not in _TWINS]
+    found = _plainly(components, grid, k, windows, plain, settings, water=water, half_width=half_width)
+    compiled = [record for record in records if record not in plain]
+    if compiled:
+        outermost = float(k.max() + half_width * dk)
+        disc = Disc(grid, min(max(outermost, waves), inside) + EDGE_MARGIN * dk)
+        rings = _rings(disc, k, water, peak_wavenumber, width, half_width)
+        for name, magnitude in magnitudes(components, grid, tapers, disc).items():
+            seen = _Seen(disc, name, magnitude, rings)
+            for record in compiled:
+                optima = [_TWINS[record.id](seen, ring, **settings) for ring in rings]
+                found[name, record.id] = collect(record.id, k, optima)
+    return {(name, record.id): found[name, record.id] for name in windows for record in records}

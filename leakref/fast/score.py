@@ -42,6 +42,7 @@ class Ring(NamedTuple):
     centre: FloatArray  # omega0(k), (n,)
     largest: float  # of |k|
     wavenumber: float  # of the shell
+    frequency: float  # omega0 there
     unit: float  # c0
     width: float
     even: bool  # whether the last bin is the Nyquist frequency, half of it a mirror image
@@ -444,7 +445,7 @@ def outdone(ring, models, starts, reach, score):
 
 
 @_compiled
-def least_squares(ring, largest, threshold, out):
+def least_squares(ring, largest, threshold, free, out):
     """leastsquares.optimum: out (8,) velocity, C, normal matrix (xx, xy, yy), half the gradient.
 
     Returns bins used, whether one is close to the threshold, whether there is no number, and the threshold of F.
@@ -474,7 +475,7 @@ def least_squares(ring, largest, threshold, out):
                     out[6], out[7] = out[6] + kx * r, out[7] + ky * r
         xx, xy, yy = out[3], out[4], out[5]
         mean, radius = (xx + yy) / 2, np.hypot((xx - yy) / 2, xy)
-        flat = mean - radius <= 1e-9 * (mean + radius)
+        flat = mean - radius <= free * (mean + radius)
         if flat:
             break
         determinant = xx * yy - xy * xy

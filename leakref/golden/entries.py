@@ -15,7 +15,8 @@ from leakref import ensemble, kept, runs, sources
 from leakref._base import FloatArray, LeakrefError
 from leakref._output import plain as to_json
 from leakref.cases import REALIZATIONS, Configuration
-from leakref.chain import METHODS, analyse
+from leakref.chain import analyse
+from leakref.methods import METHODS
 from leakref.ensemble import Ensemble
 from leakref.golden.ids import CERTIFIED, configuration_of, ensemble_id, realization_id
 from leakref.golden.records import entry_record, head_of, vector_record

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from leakref.cases import CASES, Configuration
-from leakref.chain import METHODS
+from leakref.methods import METHODS
 from leakref.golden.vectors import VECTORS
 
 __all__ = ["CERTIFIED", "configuration_of", "ensemble_id", "ids", "realization_id"]

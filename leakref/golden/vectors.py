@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from leakref.dispersion import DEEP, Water
 from leakref.grid import Grid
 from leakref.sea import Components, aligned_waves
 from leakref.synthesis import synthesize
@@ -62,7 +63,7 @@ def swell(count: int, smallest: float, largest: float, direction: float, spread:
     k = np.array([smallest + (largest - smallest) * _fraction(i, 0) for i in n])
     angle = np.radians([direction + spread * (_fraction(i, 1) - 0.5) for i in n])
     kx, ky = k * np.cos(angle), k * np.sin(angle)
-    omega = np.sqrt(gravity * k) + kx * current[0] + ky * current[1]
+    omega = Water(gravity).frequency(k) + kx * current[0] + ky * current[1]
     return {"kx": _short(kx), "ky": _short(ky), "omega": _short(omega),
             "amplitude": _short([0.3 + _fraction(i, 2) for i in n]),
             "phase": _short([2 * np.pi * _fraction(i, 3) for i in n])}
@@ -378,7 +379,7 @@ def _sheared(count: int, smallest: float, largest: float, direction: float, spre
     waves = swell(count, smallest, largest, direction, spread)
     kx, ky = np.array(waves["kx"]), np.array(waves["ky"])
     k = np.hypot(kx, ky)
-    return {**waves, "omega": _short(np.sqrt(k) + kx * (0.15 - 0.1 / (2 * k)) + ky * (-0.05 - 0.08 / (2 * k)))}
+    return {**waves, "omega": _short(DEEP.frequency(k) + kx * (0.15 - 0.1 / (2 * k)) + ky * (-0.05 - 0.08 / (2 * k)))}
 
 
 def _analytic() -> list[Vector]:

@@ -14,7 +14,7 @@ from scipy.ndimage import map_coordinates
 
 from leakref import leakage, nsp
 from leakref._base import FloatArray
-from leakref.dispersion import UniformCurrent, intrinsic_frequency
+from leakref.dispersion import DEEP, UniformCurrent
 from leakref.figures import COLOURS, WINDOW_WORDS, figure, styled
 from leakref.grid import Grid
 from leakref.sea import LARGEST_WAVENUMBER, SeaState, jonswap
@@ -54,9 +54,9 @@ def spectrum_examples() -> Figure:
     top, bottom = axes[:, 0]
     k = np.linspace(1e-3, 4.0, 4000)
     for gamma, colour, line in zip((1.0, 3.3, 7.0), COLOURS, ("-", "--", "-."), strict=False):
-        energy = jonswap(np.sqrt(k), gamma)
-        amplitude = np.where(k <= LARGEST_WAVENUMBER, np.sqrt(k**-1.5 * energy), 0.0)
-        for ax, x, y in ((top, np.sqrt(k), energy), (bottom, k, amplitude)):
+        energy = jonswap(DEEP.frequency(k), gamma)
+        amplitude = np.where(k <= LARGEST_WAVENUMBER, np.sqrt(DEEP.density_factor(k) * energy), 0.0)
+        for ax, x, y in ((top, DEEP.frequency(k), energy), (bottom, k, amplitude)):
             ax.plot(x, y / y.max(), color=colour, ls=line, lw=1.3, label=rf"$\gamma$ = {gamma:g}")
     top.set_xscale("function", functions=(np.square, lambda square: np.sqrt(np.maximum(square, 0))))
     top.set_xlim(0, 2)
@@ -110,13 +110,13 @@ def _surface(ax: Axes3D, velocity: tuple[float, float], colour: str, title: str)
     """The dispersion surface omega0(k) + k.U, and where a cylinder of radius k_i cuts it."""
     radius, angle = np.meshgrid(np.linspace(0, 1.7, 25), np.linspace(0, 2 * np.pi, 61))
     x, y = radius * np.cos(angle), radius * np.sin(angle)
-    ax.plot_surface(x, y, intrinsic_frequency(radius) + x * velocity[0] + y * velocity[1], color="0.8", alpha=0.45,
+    ax.plot_surface(x, y, DEEP.frequency(radius) + x * velocity[0] + y * velocity[1], color="0.8", alpha=0.45,
                     linewidth=0.2, edgecolor="0.6", rstride=4, cstride=4)
     theta, height = np.meshgrid(np.linspace(0, 2 * np.pi, 61), np.array([0.0, 2.0]))
     ax.plot_surface(_RADIUS * np.cos(theta), _RADIUS * np.sin(theta), height, color=COLOURS[5], alpha=0.2, linewidth=0)
     theta = np.linspace(0, 2 * np.pi, 181)
     x, y = _RADIUS * np.cos(theta), _RADIUS * np.sin(theta)
-    ax.plot(x, y, np.sqrt(_RADIUS) + x * velocity[0] + y * velocity[1], color=colour, lw=2)
+    ax.plot(x, y, DEEP.frequency(_RADIUS) + x * velocity[0] + y * velocity[1], color=colour, lw=2)
     ax.set_title(title)
     ax.set(xticks=(-1, 0, 1), yticks=(-1, 0, 1), zticks=(0, 1, 2))
     ax.set_xlabel("$k_x$ / $k_0$", labelpad=-4)
@@ -159,8 +159,9 @@ def cylinder() -> Figure:
     seen = _unrolled(spectrum, theta)
     image = ax.pcolormesh(degrees, spectrum.omega, (seen / seen.max()).T, cmap="Greys", shading="nearest",
                           rasterized=True)
-    ax.plot(degrees, np.full(theta.size, np.sqrt(_RADIUS)), color=COLOURS[0], ls="--", lw=1.6, label="still water")
-    fit = np.sqrt(_RADIUS) + _RADIUS * (u * np.cos(theta) + v * np.sin(theta))
+    still = DEEP.frequency(_RADIUS)
+    ax.plot(degrees, np.full(theta.size, still), color=COLOURS[0], ls="--", lw=1.6, label="still water")
+    fit = still + _RADIUS * (u * np.cos(theta) + v * np.sin(theta))
     ax.plot(degrees, fit, color=COLOURS[1], lw=1.6, label=rf"NSP: $\tilde{{c}}$ = ({u:.2f}, {v:.2f}) $c_0$")
     ax.set_ylim(0.4, 2.0)
     ax.set_xlim(-180, 180)

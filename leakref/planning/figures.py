@@ -10,7 +10,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter, ScalarFormatter
 
-from leakref.figures import COLOURS, METHOD_WORDS, WINDOW_WORDS, figure, styled
+from leakref.figures import COLOURS, WINDOW_WORDS, figure, styled
+from leakref.methods import METHODS
 from leakref.planning.plan import Expected, Plan
 
 __all__ = ["plan_figure", "sweep_figure"]
@@ -35,7 +36,7 @@ def plan_figure(plan: Plan, title: str) -> Figure:
     windows = list(dict.fromkeys(window for window, _ in plan.ways))
     drawing, axes = figure(2, len(windows), width=8.5, sharex=True, sharey=True)
     for (window, method), e in plan.ways.items():
-        look = {"color": COLOURS[("nsp", "ls").index(method)], "lw": 1.4, "label": METHOD_WORDS[method]}
+        look = {"color": COLOURS[list(METHODS).index(method)], "lw": 1.4, "label": METHODS[method].title}
         column = windows.index(window)
         axes[0, column].plot(e.wavelengths, e.bias, **look)
         axes[0, column].fill_between(e.wavelengths, np.maximum(e.bias - 2 * e.standard_error, 1e-9),
@@ -77,7 +78,7 @@ def sweep_figure(label: str, values: Sequence[float], found: Sequence[Ways], tit
             axes[methods.index(method), windows.index(window)].plot(e.wavelengths, e.bias, color=shade, lw=1.4,
                                                                     label=f"{value:.4g}")
     for row, method in enumerate(methods):
-        axes[row, 0].set_ylabel(f"{METHOD_WORDS[method]}: bias (m/s)")
+        axes[row, 0].set_ylabel(f"{METHODS[method].title}: bias (m/s)")
     for column, window in enumerate(windows):
         axes[0, column].set_title(WINDOW_WORDS[window])
         axes[-1, column].set_xlabel("wavelength (m)")

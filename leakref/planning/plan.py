@@ -15,7 +15,7 @@ from leakref import runs
 from leakref._base import FloatArray, LeakrefError, finite, integer, positive
 from leakref.cases import Configuration
 from leakref.chain import shell_wavenumbers
-from leakref.dispersion import Scales
+from leakref.dispersion import DEEP, Scales
 from leakref.ensemble import Ensemble
 from leakref.grid import SPACING, TIME_STEP, Grid
 from leakref.shell import EDGE_MARGIN, HALF_WIDTH
@@ -141,7 +141,7 @@ class Campaign:
     def aliased_below(self) -> float | None:
         """The wavelength (m) below which the frame rate is too low for the waves, or None if there is no such one."""
         k = np.linspace(1, self.flight.wavenumbers.max(), 400)
-        fastest = np.sqrt(k) + k * self.speed / self.scales.velocity
+        fastest = DEEP.frequency(k) + k * self.speed / self.scales.velocity
         beyond = k[fastest >= self.flight.grid.nyquist[2]]
         return float(self.peak_wavelength / beyond[0]) if beyond.size else None
 

@@ -31,7 +31,7 @@ from leakref.certify.bias import SEAS
 from leakref.certify.checks.inputs import Cube
 from leakref.certify.subject.frames import GRAVITY, PEAK, Subject
 from leakref.certify.verdict import Unanswered, printable
-from leakref.chain import METHODS
+from leakref.methods import METHODS
 from leakref.decisions import DECISIONS
 from leakref.dispersion import UniformCurrent
 from leakref.golden.digests import digest

@@ -11,8 +11,8 @@ import numpy as np
 from leakref._base import FloatArray
 from leakref.certify.checks import inputs
 from leakref.certify.checks.inputs import Cube, polar
-from leakref.certify.checks.criteria import expected, score, unflagged
-from leakref.certify.checks.criteria import EXACT, FLATTER, as_array, verdict
+from leakref.certify.checks.criteria import as_good, expected, unflagged
+from leakref.certify.checks.criteria import EXACT, as_array, verdict
 from leakref.certify.checks.registry import CHECKS, Case, Check, Outcome, check
 from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Unanswered, Verdict
@@ -106,12 +106,7 @@ def check_spectrum(subject: Subject, case: Case) -> Outcome:
 
 def _scored(cube: Cube, window: str, method: str, found: FloatArray, golden: FloatArray) -> FloatArray:
     """Effect over tolerance at each wavenumber, (n,): by the velocity, or by the score if that is kinder."""
-    over = np.hypot(*(found - golden).T) / EXACT
-    if method == "nsp":
-        for n in np.flatnonzero(over > 1):
-            best, own = (score(cube, window, float(cube.wavenumbers[n]), c[n]) for c in (golden, found))
-            over[n] = min(over[n], max((1 - own / best) / FLATTER, 0.0))
-    return over
+    return as_good(np.hypot(*(found - golden).T) / EXACT, cube, window, method, found, golden)
 
 
 def _velocities(subject: Subject, cube: Cube, surface: FloatArray, window: str, method: str, golden: FloatArray,

@@ -14,7 +14,8 @@ from leakref.certify.checks.inputs import Cube
 from leakref.certify.checks.registry import Outcome
 from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Unanswered, Verdict
-from leakref.nsp import WIDTH, normalized_scalar_product
+from leakref.methods import METHODS
+from leakref.nsp import WIDTH
 from leakref.shell import Extraction, shell_at
 from leakref.spectrum import Spectrum, fourier
 from leakref.window import WINDOWS
@@ -27,14 +28,17 @@ __all__ = [
     "NEVER",
     "ROOM",
     "as_array",
+    "as_good",
     "ask",
     "bare",
+    "blind_to_backward_waves",
     "each_method",
     "exactly",
     "expected",
     "in_the_mean",
     "room",
     "score",
+    "scored_method",
     "taper",
     "unflagged",
     "vector",
@@ -131,14 +135,33 @@ def exactly(
     reference does not have, or one velocity for the whole band, may be off by the smaller resolution.
     """
     error = np.hypot(*(found - should).T)
-    if method not in ("nsp", "ls") or subject.declaration.band:
+    if method not in METHODS or subject.declaration.band:
         return error / cube.resolutions[0]
-    over = error / EXACT
-    if method == "nsp":
+    return as_good(error / EXACT, cube, window, method, found, should)
+
+
+def as_good(
+    over: FloatArray, cube: Cube, window: str, method: str, found: FloatArray, should: FloatArray
+) -> FloatArray:
+    """Effect over tolerance (n,) by the score, where that is kinder: of methods that maximise one."""
+    if method in METHODS and METHODS[method].score:
         for n in np.flatnonzero(over > 1):
-            best, own = (score(cube, window, float(cube.wavenumbers[n]), c[n]) for c in (should, found))
-            over[n] = min(over[n], (1 - own / best) / FLATTER)
+            best, own = (score(cube, window, float(cube.wavenumbers[n]), c[n], method) for c in (should, found))
+            over[n] = min(over[n], max((1 - own / best) / FLATTER, 0.0))
     return over
+
+
+def scored_method(subject: Subject, otherwise: str) -> str:
+    """A method that maximises a score at each wavenumber, or Unanswered with `otherwise` as the reason."""
+    offered = [m for m in subject.declaration.methods if m in METHODS and METHODS[m].score]
+    if not offered or subject.declaration.band:
+        raise Unanswered(Verdict.UNSUPPORTED, otherwise)
+    return offered[0]
+
+
+def blind_to_backward_waves() -> tuple[str, ...]:
+    """The methods that cannot see waves which a current sweeps backwards."""
+    return tuple(name for name, record in METHODS.items() if not record.backwards)
 
 
 def vector(values: FloatArray) -> str:
@@ -172,9 +195,9 @@ def room(cube: Cube, window: str, method: str) -> FloatArray:
     Least squares, and what else fits strong bins, depends on which bins pass a threshold, and errs by as much and more
     from one sea to the next: it may be off by twice as much more as the reference's least squares is in this one.
     """
-    if method == "nsp":
+    if method in METHODS and not METHODS[method].errs_with_the_sea:
         return cube.resolutions[1]
-    own = np.hypot(*(expected(cube, window, "ls").velocities - cube.truth).T)
+    own = np.hypot(*(expected(cube, window, method if method in METHODS else "ls").velocities - cube.truth).T)
     return cube.resolutions[1] + 2 * np.nan_to_num(own)
 
 
@@ -201,7 +224,7 @@ def in_the_mean(subject: Subject, cube: Cube, window: str, method: str) -> Outco
 @lru_cache(maxsize=256)
 def expected(cube: Cube, window: str, method: str) -> Extraction:
     """The reference's answer. A window or method that it does not know stands for Hann and the NSP."""
-    window, method = window if window in WINDOWS else "hann", method if method == "ls" else "nsp"
+    window, method = window if window in WINDOWS else "hann", method if method in METHODS else "nsp"
     return fast.realize(cube.components, cube.grid, cube.wavenumbers, windows=(window,), methods=(method,))[
         window, method
     ]
@@ -217,7 +240,9 @@ def _spectrum(cube: Cube, window: str) -> Spectrum:
     return fourier(cube.surface, cube.grid, window, workers=1)
 
 
-def score(cube: Cube, window: str, wavenumber: float, velocity: FloatArray) -> float:
-    """N of eq:normSp at a velocity (2,), as the reference sees the cube."""
+def score(cube: Cube, window: str, wavenumber: float, velocity: FloatArray, method: str = "nsp") -> float:
+    """What a method maximises, N of eq:normSp for the NSP, at a velocity (2,), as the reference sees the cube."""
+    maximised = METHODS[method].score
+    assert maximised is not None
     shell = shell_at(_spectrum(cube, window), wavenumber)
-    return normalized_scalar_product(shell, velocity, WIDTH * cube.grid.frequency_resolution)
+    return maximised(shell, velocity, WIDTH * cube.grid.frequency_resolution)

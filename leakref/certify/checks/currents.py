@@ -7,7 +7,7 @@ import numpy as np
 from leakref._base import FloatArray
 from leakref.certify.checks import inputs
 from leakref.certify.checks.inputs import BRIEF, GRIDS
-from leakref.certify.checks.criteria import unflagged
+from leakref.certify.checks.criteria import blind_to_backward_waves, unflagged
 from leakref.certify.checks.criteria import ROOM, ask, bare, each_method, exactly, room, taper, verdict
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.subject.frames import Subject
@@ -47,13 +47,13 @@ def _judged(subject: Subject, case: Case, without: tuple[str, ...] = ()) -> Outc
 @check("currents", "eq:SnJ", WITHIN, [
     Case("following", {"direction": 80.0, "current": (0.1, 0.6)}),
     # above k = 2 it sweeps part of the waves backwards, and least squares takes omega >= 0 only (decision D19)
-    Case("crossing", {"direction": 80.0, "current": (0.7, -0.2), "without": ("ls",)}),
+    Case("crossing", {"direction": 80.0, "current": (0.7, -0.2), "backwards": True}),
     Case("opposing", {"direction": 80.0, "current": (-0.1, -0.3)}),
     Case("diagonal", {"direction": -35.0, "current": (0.45, -0.4)}, quick=False)])
 def check_strong(subject: Subject, case: Case) -> Outcome:
     """Currents near the phase speed of the waves: an optimiser that only looks around rest, a range of frequencies cut
     off above the peak, or a first guess taken from the waves' own direction loses them."""
-    return _judged(subject, case, case.given.get("without", ()))
+    return _judged(subject, case, blind_to_backward_waves() if case.given.get("backwards") else ())
 
 
 @check("currents", "eq:DSVkernel", WITHIN + ". Least squares is left out: it takes omega >= 0 only (decision D19)", [
@@ -65,7 +65,7 @@ def check_strong(subject: Subject, case: Case) -> Outcome:
 def check_backwards(subject: Subject, case: Case) -> Outcome:
     """On an opposing current omega0 + k.U is negative for part of the waves: they are swept backwards, and without the
     second branch of G they are lost."""
-    return _judged(subject, case, ("ls",))
+    return _judged(subject, case, blind_to_backward_waves())
 
 
 @check("currents", "eq:normSp", "2e-4 c0, three times what optimisers at default tolerances miss; for the NSP also a "

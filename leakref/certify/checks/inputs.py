@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from leakref._base import FloatArray
-from leakref.dispersion import Current, UniformCurrent, intrinsic_frequency, velocity_resolutions
+from leakref.dispersion import DEEP, Current, UniformCurrent, velocity_resolutions
 from leakref.grid import Grid
 from leakref.sea import Components, SeaState, aligned_waves
 from leakref.synthesis import synthesize
@@ -121,7 +121,7 @@ def pair(grid: Grid, first: tuple[int, int], second: tuple[int, int], near: tupl
 def _pair(grid: Grid, first: tuple[int, int], second: tuple[int, int], near: tuple[float, float]) -> Cube:
     k = np.array([first, second]) * grid.bin_widths[:2]
     size = np.hypot(*k.T)
-    m = np.rint((intrinsic_frequency(size) + k @ np.asarray(near)) / grid.frequency_resolution).astype(int)
+    m = np.rint((DEEP.frequency(size) + k @ np.asarray(near)) / grid.frequency_resolution).astype(int)
     components, current = aligned_waves(grid, [(*first, int(m[0])), (*second, int(m[1]))])
     return Cube(components, grid, np.array([size.mean()]), UniformCurrent((float(current[0]), float(current[1]))))
 
@@ -132,7 +132,7 @@ def waves(grid: Grid, kx: FloatArray, ky: FloatArray, wavenumbers: tuple[float, 
     current, grid = current or UniformCurrent(), sampling(grid)
     size = np.hypot(kx, ky)
     shift = current.doppler_shift_velocity(size)
-    omega = intrinsic_frequency(size) + kx * shift[:, 0] + ky * shift[:, 1]
+    omega = DEEP.frequency(size) + kx * shift[:, 0] + ky * shift[:, 1]
     phase = 2 * np.pi * (np.arange(kx.size) * np.sqrt(5.0) % 1)
     return Cube(Components(kx, ky, omega, np.broadcast_to(amplitude, kx.shape), phase), grid, np.array(wavenumbers),
                 current)

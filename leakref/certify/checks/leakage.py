@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
+from leakref.methods import METHODS
 from leakref._base import FloatArray
 from leakref.certify.checks import inputs
 from leakref.certify.checks.inputs import SEA, Cube, polar
-from leakref.certify.checks.criteria import expected, unflagged
+from leakref.certify.checks.criteria import expected, scored_method, unflagged
 from leakref.certify.checks.criteria import IN_THE_MEAN, ask, bare, each_method, exactly, in_the_mean, taper, verdict
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.checks.statistics import excess, share
 from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Unanswered, Verdict
-from leakref.dispersion import UniformCurrent
+from leakref.dispersion import DEEP, UniformCurrent
 from leakref.grid import Grid
 from leakref.sea import Components
 
@@ -55,8 +56,7 @@ def check_swell(subject: Subject, case: Case) -> Outcome:
 def check_flicker(subject: Subject, case: Case) -> Outcome:
     """A texture that flickers far faster than the waves and many times as strong: tapered along time it stays at its
     own frequency; if not, it is smeared over all of them."""
-    if "nsp" not in subject.declaration.methods or subject.declaration.band:
-        raise Unanswered(Verdict.UNSUPPORTED, "offers no NSP; what fits the strongest bins may well fit these")
+    method = scored_method(subject, "offers no NSP; what fits the strongest bins may well fit these")
     n = np.arange(1, 41)
     k, angle = 1.0 + 1.2 * (n * np.sqrt(2) % 1), 2 * np.pi * (n * np.sqrt(3) % 1)
     local = inputs.waves(SEA, k * np.cos(angle), k * np.sin(angle), (1.4, 1.6, 1.8), UniformCurrent((0.1, 0.05)))
@@ -64,7 +64,7 @@ def check_flicker(subject: Subject, case: Case) -> Outcome:
     texture = Components(waves.kx, waves.ky, np.full(n.size, 38.5 * SEA.frequency_resolution),
                          np.full(n.size, strength), waves.phase)
     cube = Cube(inputs.together(waves, texture), local.grid, local.wavenumbers, local.current)
-    return in_the_mean(subject, cube, taper(subject), "nsp")
+    return in_the_mean(subject, cube, taper(subject), method)
 
 
 @check("leakage", "eq:normSp", "2e-4 c0, three times what optimisers at default tolerances miss; for the NSP also a "
@@ -73,7 +73,7 @@ def check_aligned(subject: Subject, case: Case) -> Outcome:
     """Waves of still water that lie on bins do not leak: whatever current is found comes from the code and not from
     the window, as when the dispersion relation is taken at the shell's wavenumber for all its bins."""
     window, side = bare(subject), 2 * np.pi / 0.12
-    grid = Grid((56, 60, 72), (side / 56, side / 60, 2 * np.pi * 10 / np.sqrt(0.6) / 72))
+    grid = Grid((56, 60, 72), (side / 56, side / 60, 2 * np.pi * 10 / float(DEEP.frequency(0.6)) / 72))
     rings = np.array([(5, 0), (3, 4), (-4, 3), (4, -3), (20, 0), (12, 16), (16, -12), (-12, 16), (0, -20)]) * 0.12
     cube = inputs.waves(grid, rings[:, 0], rings[:, 1], (0.6, 2.4))
 
@@ -119,7 +119,7 @@ def check_bias(subject: Subject, case: Case) -> Outcome:
                 pairs.append(float((error - own)[known].mean()))
         if len(pairs) < 2:
             raise Unanswered(Verdict.MISSING, f"has answers that can be judged in {len(pairs)} of {len(seas)} seas")
-        other = method not in ("nsp", "ls") or subject.declaration.band
+        other = method not in METHODS or subject.declaration.band
         margin = float(resolutions[1] if other else MARGIN * resolutions[0])
         test = excess(pairs, margin, share(len(subject.declaration.methods)))
         return Outcome(test.over, f"|c - U| is {test.mean:+.3g} c0 beside the reference's in the mean of {len(pairs)} "

@@ -6,12 +6,11 @@ import numpy as np
 
 from leakref.certify.checks import inputs
 from leakref.certify.checks.inputs import GRIDS, polar
-from leakref.certify.checks.criteria import (EXACT, IN_THE_MEAN, ask, bare, each_method, exactly, in_the_mean, taper,
-                                              vector, verdict)
+from leakref.certify.checks.criteria import (EXACT, IN_THE_MEAN, ask, bare, each_method, exactly, in_the_mean,
+                                              scored_method, taper, vector, verdict)
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.subject.frames import Subject
-from leakref.certify.verdict import Unanswered, Verdict
-from leakref.dispersion import UniformCurrent
+from leakref.dispersion import DEEP, UniformCurrent
 from leakref.sea import aligned_waves
 
 __all__ = ["check_pair", "check_sea", "check_single", "check_two_shells"]
@@ -48,15 +47,14 @@ def check_pair(subject: Subject, case: Case) -> Outcome:
         Case("prime", {"grid": "prime", "bin": (1, -6), "shift": 3}, quick=False)])
 def check_single(subject: Subject, case: Case) -> Outcome:
     """One wave fixes the component of the current along it and no more: what is returned along it must be right."""
-    if "nsp" not in subject.declaration.methods or subject.declaration.band:
-        raise Unanswered(Verdict.UNSUPPORTED, "offers no NSP; other methods may decline where one wave is all there is")
+    method = scored_method(subject, "offers no NSP; other methods may decline where one wave is all there is")
     window, grid, (i, j) = bare(subject), inputs.sampling(GRIDS[case.given["grid"]]), case.given["bin"]
     k = np.array([i, j]) * grid.bin_widths[:2]
     size = float(np.hypot(*k))
-    m = round(np.sqrt(size) / grid.frequency_resolution) + case.given["shift"]
+    m = round(float(DEEP.frequency(size)) / grid.frequency_resolution) + case.given["shift"]
     waves, current = aligned_waves(grid, [(i, j, m)])
     cube = inputs.Cube(waves, grid, np.array([size]), UniformCurrent((float(current[0]), float(current[1]))))
-    found, _ = ask(subject, cube, window, "nsp")
+    found, _ = ask(subject, cube, window, method)
     along, should = float(found[0] @ k) / size, float(current @ k) / size
     return Outcome(abs(along - should) / EXACT, f"along the wave got {along:.6g}, should be {should:.6g} (its velocity "
                    f"is {vector(found[0])})", figures={"along": along, "should_be": should})

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from leakref.dispersion import DEEP
 from leakref._base import FloatArray
 from leakref.certify.checks.criteria import vector
 from leakref.certify.checks.registry import Case, Outcome, check
@@ -80,7 +81,7 @@ def check_sum(subject: Subject, case: Case) -> Outcome:
     n = np.arange(1, 18 if case.id != "two" else 3)
     k, angle = 0.5 + 1.7 * (n * np.sqrt(2) % 1), 2 * np.pi * (n * np.sqrt(3) % 1)
     shift = 1.6 * np.cos(angle) if case.id == "backwards" else 0.0 * n
-    waves = Components(k * np.cos(angle), k * np.sin(angle), np.sqrt(k) + k * shift, 0.2 + (n * np.sqrt(5) % 1),
+    waves = Components(k * np.cos(angle), k * np.sin(angle), DEEP.frequency(k) + k * shift, 0.2 + (n * np.sqrt(5) % 1),
                        2 * np.pi * (n * np.sqrt(7) % 1))
     moved = [axis + start for axis, start in zip(axes, (-3.2, 5.1, 2.3), strict=True)]
     return _compared(subject, waves, (moved[0], moved[1], moved[2]))

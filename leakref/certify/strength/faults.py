@@ -99,7 +99,7 @@ class _Remembering(Reference):
 _CALL = "return extract(surface, spacing, wavenumbers, gravity=gravity, window=window, method=method).velocities"
 _FOURIER = "values = fft.fft2(values, axes=(0, 1), workers=threads, overwrite_x=True)"
 _TAPER_SPACE = "tapered *= (wx[:, None] * wy)[:, :, None]"
-_INTRINSIC = "intrinsic_frequency(k[a, b], gravity)"
+_INTRINSIC = "water.frequency(k[a, b])"
 _CENTRES = "return shell.intrinsic + shift, -shell.intrinsic + shift"
 _POLISH = "velocity, steps, arrived = _ascend(shell, fit.x * unit, width, unit)"
 _UNPOLISHED = Change("nsp", _POLISH, "velocity, steps, arrived = fit.x * unit, 0, True")
@@ -156,9 +156,9 @@ _UNITS = (
           (_answer("(lambda v: np.hypot(*v.T)[:, None] * np.stack([f(np.degrees(np.arctan2(v[:, 1], v[:, 0]))) "
                    "for f in (np.cos, np.sin)], axis=1))(FOUND)"),)),
     Fault("gravity-dropped", "units", "recovery", "gravity is taken as 1 in metres and seconds",
-          (_SI, Change("shell", _INTRINSIC, "intrinsic_frequency(k[a, b])"))),
+          (_SI, Change("shell", _INTRINSIC, "DEEP.frequency(k[a, b])"))),
     Fault("gravity-hard-coded", "units", "recovery", "gravity is 10 whatever is asked for",
-          (_SI, Change("shell", _INTRINSIC, "intrinsic_frequency(k[a, b], 10.0)"))),
+          (_SI, Change("shell", _INTRINSIC, "Water(10.0).frequency(k[a, b])"))),
     Fault("knots", "units", "recovery", "the current is returned in knots",
           (_SI, _answer("FOUND * 1.943844"))),
     Fault("pixels-per-frame", "units", "recovery", "the current is returned in pixels per frame",
@@ -274,16 +274,16 @@ _SPECTRUM = (
 
 _SHELL = (
     Fault("frequency-at-centre", "shell", "recovery", "omega0 is taken at the shell's wavenumber, not at each bin's",
-          (Change("shell", _INTRINSIC, "intrinsic_frequency(np.full(a.size, wavenumber), gravity)"),)),
+          (Change("shell", _INTRINSIC, "water.frequency(np.full(a.size, wavenumber))"),)),
     Fault("root-missing", "shell", "recovery", "omega0 is g k: the square root is missing",
-          (Change("dispersion", "return np.sqrt(gravity * np.asarray(wavenumber, dtype=np.float64))",
-                  "return gravity * np.asarray(wavenumber, dtype=np.float64)"),)),
+          (Change("dispersion", "return np.sqrt(self.gravity * np.asarray(wavenumber, dtype=np.float64))",
+                  "return self.gravity * np.asarray(wavenumber, dtype=np.float64)"),)),
     Fault("group-velocity", "shell", "recovery", "omega0 is half as large, as if k times the group velocity",
-          (Change("dispersion", "return np.sqrt(gravity * np.asarray(wavenumber, dtype=np.float64))",
-                  "return np.sqrt(gravity * np.asarray(wavenumber, dtype=np.float64)) / 2"),)),
+          (Change("dispersion", "return np.sqrt(self.gravity * np.asarray(wavenumber, dtype=np.float64))",
+                  "return np.sqrt(self.gravity * np.asarray(wavenumber, dtype=np.float64)) / 2"),)),
     Fault("depth-assumed", "shell", "recovery", "water of depth 1 is assumed instead of deep water",
-          (Change("dispersion", "return np.sqrt(gravity * np.asarray(wavenumber, dtype=np.float64))",
-                  "return np.sqrt(gravity * np.asarray(wavenumber) * np.tanh(np.asarray(wavenumber)))"),)),
+          (Change("dispersion", "return np.sqrt(self.gravity * np.asarray(wavenumber, dtype=np.float64))",
+                  "return np.sqrt(self.gravity * np.asarray(wavenumber) * np.tanh(np.asarray(wavenumber)))"),)),
     Fault("sum-for-length", "shell", "recovery", "the length of k is |kx| + |ky|",
           (Change("shell", 'k = np.hypot(*np.meshgrid(spectrum.kx, spectrum.ky, indexing="ij"))',
                   'k = np.add(*np.abs(np.meshgrid(spectrum.kx, spectrum.ky, indexing="ij")))'),)),
@@ -381,7 +381,7 @@ _LS = (
            Change("leastsquares", "np.linalg.solve(normal, k @ shift)",
                   "np.linalg.solve(normal, (k * power[column, m]) @ shift)"))),
     Fault("method-ignored", "ls", "conformance", "the scalar product is used where least squares is asked for",
-          (Change("chain", '"ls": leastsquares.extract', '"ls": nsp.extract'),)),
+          (Change("methods", "leastsquares.extract, {", "nsp.extract, {"),)),
 )
 
 _BEHAVIOUR = (

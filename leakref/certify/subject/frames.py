@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from leakref.dispersion import DEEP, Water
 from leakref._base import FloatArray
 from leakref.certify.subject.declaration import Declaration
 from leakref.certify.verdict import Unanswered, Verdict
@@ -84,8 +85,8 @@ class Subject:
         """Unit of length, of time, and gravity, of a scaled sea whose peak is shown at `scale` times the usual one."""
         if self.declaration.units == "si":
             k0 = PEAK * scale
-            return 1 / k0, 1 / float(np.sqrt(GRAVITY * k0)), GRAVITY
-        return 1 / scale, 1 / float(np.sqrt(scale)), 1.0
+            return 1 / k0, 1 / float(Water(GRAVITY).frequency(k0)), GRAVITY
+        return 1 / scale, 1 / float(DEEP.frequency(scale)), 1.0
 
     def framed(self, cube: FloatArray) -> FloatArray:
         """A cube [x, y, t] with y upwards, as the implementation wants it."""

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from leakref.dispersion import Water
 from leakref.golden import oracle
 from leakref.golden.stages.stage import (
     Input,
@@ -64,7 +65,7 @@ def _spectrum_conditioning(given: Input, found: Output) -> Output:
 
 
 def shell_of(spectrum: Spectrum, given: Input) -> Shell:
-    return shell_at(spectrum, given["wavenumber"], gravity=given["gravity"])
+    return shell_at(spectrum, given["wavenumber"], water=Water(given["gravity"]))
 
 
 def in_order(shell: Shell, given: Input) -> Any:

@@ -11,6 +11,7 @@ from leakref._base import FloatArray
 from leakref.cases import Configuration
 from leakref.chain import analyse, extract
 from leakref.ensemble import Ensemble
+from leakref.dispersion import DEEP, Water
 from leakref.golden import oracle
 from leakref.golden.sets import tolerance
 from leakref.golden.stages.spectra import oracle_shell, oracle_values, shell_of, width_of
@@ -111,7 +112,7 @@ def softness(method: str, score: float, hessian: FloatArray, unit: float = 1.0) 
     return float(max(1.0, curvature[1] / curvature[0] / _ILL))
 
 
-def velocity_conditioning(spectrum: Spectrum, found: Extraction, rounding: float, gravity: float = 1.0) -> list[float]:
+def velocity_conditioning(spectrum: Spectrum, found: Extraction, rounding: float, water: Water = DEEP) -> list[float]:
     """Of the velocity at each wavenumber (n,), NaN where there is none; `rounding` of S, in 2^-52 of its largest.
 
     NSP: the roundings of F move the gradient of N, and the inverse of its Hessian turns that into velocity; besides,
@@ -125,7 +126,7 @@ def velocity_conditioning(spectrum: Spectrum, found: Extraction, rounding: float
         if not np.isfinite(c).all():
             result.append(float("nan"))
             continue
-        shell = shell_at(spectrum, float(k), gravity=gravity)
+        shell = shell_at(spectrum, float(k), water=water)
         own = 4 * (float(shell.omega[-1]) / float(k) + float(np.hypot(*c)))
         if found.method == "nsp":
             width = WIDTH * spectrum.grid.frequency_resolution
@@ -137,7 +138,7 @@ def velocity_conditioning(spectrum: Spectrum, found: Extraction, rounding: float
             soft, stiff = np.linalg.eigvalsh(hessian / 2)
             count = float(np.trace(hessian / 2)) / float(k) ** 2
             moved = own * float(np.sqrt(count * k**2 / soft) + stiff / soft)
-        unit = velocity_unit(float(k), gravity, None)
+        unit = velocity_unit(float(k), water, None)
         most = UNFLAGGED / tolerance(1.0) * unit * softness(found.method, float(score), hessian, unit)
         result.append(min(moved, most))
     return result
@@ -169,7 +170,7 @@ def _velocities_witness(given: Input, first: Output, method: str = "nsp") -> Out
 def _velocities_conditioning(given: Input, method: str) -> Output:
     spectrum = by_surface(given)
     found = analyse(spectrum, given["wavenumbers"], gravity=given["gravity"], method=method, search=False)
-    return {"velocities": velocity_conditioning(spectrum, found, turns(given), given["gravity"])}
+    return {"velocities": velocity_conditioning(spectrum, found, turns(given), Water(given["gravity"]))}
 
 
 def _extract(given: Input) -> Output:

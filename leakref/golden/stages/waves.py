@@ -9,15 +9,14 @@ import numpy as np
 from leakref._base import FloatArray
 from leakref.chain import shell_wavenumbers
 from leakref.dispersion import (
+    DEEP,
     Current,
     ExponentialCurrent,
     LinearCurrent,
     ProfileCurrent,
     Scales,
     UniformCurrent,
-    group_velocity,
-    intrinsic_frequency,
-    phase_velocity,
+    Water,
     velocity_resolutions,
 )
 from leakref.golden import oracle
@@ -83,11 +82,11 @@ def _bins_of_witness(given: Input, _: Output) -> Output:
 
 
 def _dispersion(given: Input) -> Output:
-    k, g = given["wavenumber"], given["gravity"]
+    k, water = given["wavenumber"], Water(given["gravity"])
     return {
-        "frequency": intrinsic_frequency(k, g),
-        "phase_velocity": phase_velocity(k, g),
-        "group_velocity": group_velocity(k, g),
+        "frequency": water.frequency(k),
+        "phase_velocity": water.phase_velocity(k),
+        "group_velocity": water.group_velocity(k),
     }
 
 
@@ -105,7 +104,7 @@ def _dispersion_witness(given: Input, _: Output) -> Output:
 
 def _resolutions(given: Input) -> Output:
     frequency, wavenumber = velocity_resolutions(
-        given["wavenumber"], given["wavenumber_resolution"], given["frequency_resolution"], given["gravity"]
+        given["wavenumber"], given["wavenumber_resolution"], given["frequency_resolution"], Water(given["gravity"])
     )
     return {"from_frequency": frequency, "from_wavenumber": wavenumber}
 
@@ -206,7 +205,7 @@ def _sea_conditioning(given: Input, found: Output) -> Output:
     return {
         "kx": (9 if turning else 3) * k.max(),
         "ky": (9 if turning else 3) * k.max(),
-        "omega": float((4 * np.sqrt(k) + 6 * k * np.hypot(*slow.T)).max()),
+        "omega": float((4 * DEEP.frequency(k) + 6 * k * np.hypot(*slow.T)).max()),
         "amplitude": amplitude.tolist(),
         "phase": float(9 * k.max() * centre + 7) if turning else 0.0,
     }

@@ -1,0 +1,54 @@
+"""The methods by which a velocity is found in a shell, a record each. A new one is its own file and a line here.
+
+Whoever treats methods differently asks the record: nobody else compares a name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from leakref import leastsquares, nsp
+from leakref._base import FloatArray, LeakrefError
+from leakref.shell import Extraction, Note, Shell
+
+__all__ = ["METHODS", "Method", "method"]
+
+
+@dataclass(frozen=True)
+class Method:
+    """How velocities are found: `extract(spectrum, wavenumbers, *, water, half_width, **settings)`, as in `nsp`.
+
+    `title` and `words` name it in figures and in prose; `settings` are those it takes beside the shell's, with their
+    defaults. `score(shell, velocity, width)` says how good any velocity is, higher being better, if the method
+    maximises something. `silences` are the notes beside which there is never a number. What certify allows:
+    `errs_with_the_sea`, where the error in one sea may well exceed the resolution, so that others are allowed what the
+    reference itself errs by; `backwards`, whether it can see waves that a current sweeps backwards.
+    """
+
+    id: str
+    title: str
+    words: str
+    extract: Callable[..., Extraction]
+    settings: Mapping[str, object]
+    score: Callable[[Shell, FloatArray, float], float] | None = None
+    silences: Note = Note.NO_SIGNAL
+    errs_with_the_sea: bool = True
+    backwards: bool = False
+
+
+METHODS = {record.id: record for record in (
+    Method("nsp", "NSP", "normalized scalar product", nsp.extract,
+           {"peak_wavenumber": None, "width": nsp.WIDTH, "search": True}, nsp.normalized_scalar_product,
+           Note.NO_SIGNAL | Note.UNCONVERGED, errs_with_the_sea=False, backwards=True),
+    Method("ls", "LS", "least squares", leastsquares.extract, {"threshold": leastsquares.THRESHOLD}, None,
+           Note.NO_SIGNAL | Note.UNCONVERGED | Note.TOO_FEW_BINS),  # omega >= 0 only (decision D19)
+)}  # fmt: skip
+"""Every method by id."""
+
+
+def method(name: str, call: str) -> Method:
+    """The record of a method, or LeakrefError."""
+    if name not in METHODS:
+        raise LeakrefError(call, f"no method named {name!r}", f"choose one of {', '.join(METHODS)}")
+    return METHODS[name]
