@@ -27,8 +27,9 @@ def test_the_score_is_stationary_and_curved_downwards(rooms: Any, cube: Cube, wi
     the gradient, 1e-12, and by rounding, 1e-16 / h, over a curvature of at least 0.05."""
     shell, = shells(rooms, cube, window)
     width = rooms.nsp.WIDTH * cube.grid.frequency_resolution
-    c, n, _, _, _, note = rooms.nsp.optimum(shell, width, 1.0)
-    assume(not note.value)
+    found = rooms.nsp.optimum(shell, width, 1.0)
+    c, n = found.velocity, found.score
+    assume(not found.note.value)
 
     def score(u: float, v: float) -> float:
         return float(rooms.nsp.normalized_scalar_product(shell, (c[0] + u, c[1] + v), width))

@@ -8,7 +8,8 @@ import pytest
 import leakref
 from leakref import (Components, Grid, LeakrefError, Note, SeaState, UniformCurrent, analyse, extract, fourier, leakage,
                      leastsquares, nsp, reference, shell_wavenumbers, synthesize, transform)
-from leakref.chain import METHODS, Implementation, Reference
+from leakref.chain import Implementation, Reference
+from leakref.methods import METHODS
 from leakref.window import WINDOWS
 
 PRECISION = 1e-11  # of a velocity in c0: the rounding of F times up to 530, in shells without a note
@@ -185,7 +186,7 @@ def holding(value: float) -> np.ndarray:
     (lambda: extract(STILL, (1, 1), [1.0]), "Grid", "spacing", "(dx, dy, dt)"),
     (lambda: extract(STILL, (1, 1, 1), [1.0], window="welch"), "window", "'welch'", "box, hann, blackman, kaiser"),
     (lambda: extract(STILL, (1, 1, 1), [1.0], method="nelder"), "analyse", "'nelder'", "nsp, ls"),
-    (lambda: extract(STILL, (1, 1, 1), [1.0], gravity=0), "nsp.extract", "gravity = 0", "> 0"),
+    (lambda: extract(STILL, (1, 1, 1), [1.0], gravity=0), "Water", "gravity = 0", "> 0"),
     (lambda: extract(STILL, (1, 1, 1), [3.0]), "shell_at", "Nyquist wavenumber", "ask for k below"),
     (lambda: extract(STILL, (1, 1, 1), [0.4], half_width=0.1), "shell_at", "no bin", "widen"),
     (lambda: extract(STILL, (1, 1, 1), []), "", "empty", "at least one"),

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from leakref import ExponentialCurrent, LeakrefError, LinearCurrent, ProfileCurrent, Scales, SeaState, UniformCurrent
-from leakref.dispersion import group_velocity, intrinsic_frequency, phase_velocity, velocity_resolutions
+from leakref.dispersion import DEEP, Water, velocity_resolutions
 
 K = np.array([0.4, 1.0, 2.3, 3.5])
 
@@ -16,16 +16,16 @@ K = np.array([0.4, 1.0, 2.3, 3.5])
 @pytest.mark.parametrize("gravity", [1.0, 9.81])
 def test_dispersion_of_deep_water(gravity):
     for k in K:  # two roundings each
-        assert intrinsic_frequency(k, gravity) == pytest.approx(math.sqrt(gravity * k), rel=4e-16)
-        assert phase_velocity(k, gravity) == pytest.approx(math.sqrt(gravity * k) / k, rel=4e-16)
+        assert Water(gravity).frequency(k) == pytest.approx(math.sqrt(gravity * k), rel=4e-16)
+        assert Water(gravity).phase_velocity(k) == pytest.approx(math.sqrt(gravity * k) / k, rel=4e-16)
         h = 1e-3 * k  # central difference of fourth order: error below h^4 k^-4 = 1e-12, rounding 1e-13
         slope = sum(w * math.sqrt(gravity * (k + n * h)) for n, w in ((-2, 1), (-1, -8), (1, 8), (2, -1))) / (12 * h)
-        assert group_velocity(k, gravity) == pytest.approx(slope, rel=2e-12)
-    assert intrinsic_frequency(0.0) == 0
+        assert Water(gravity).group_velocity(k) == pytest.approx(slope, rel=2e-12)
+    assert DEEP.frequency(0.0) == 0
 
 
 def test_velocity_resolutions_are_those_of_the_equation():
-    from_frequency, from_wavenumber = velocity_resolutions(K, 0.1, 0.05, 9.81)
+    from_frequency, from_wavenumber = velocity_resolutions(K, 0.1, 0.05, Water(9.81))
     for k, a, b in zip(K, from_frequency, from_wavenumber, strict=True):
         assert a == pytest.approx(0.05 / k, rel=4e-16)
         assert b == pytest.approx(0.5 * math.sqrt(9.81 / k) * 0.1 / k, rel=1e-15)

@@ -13,21 +13,21 @@ from typer.testing import CliRunner
 
 import leakref
 from leakref import Grid, LeakrefError, SeaState, UniformCurrent, chain
-from leakref.cubes import blocks
-from leakref.cubes import files
-from leakref.cli.base import app
+from leakref.cli import app
+from leakref.cubes import blocks, files
+from leakref.methods import METHODS
 
 GRID = Grid((20, 22, 32), (0.8, 0.75, 0.9))
 SEA = SeaState(direction=70, spread=60, length=3, current=UniformCurrent((0.07, -0.04))).components(3)
 ETA = leakref.synthesize(SEA, *(GRID.samples(axis) for axis in range(3)))
 ETA /= np.abs(ETA).max()
 WAVENUMBERS = [1.2]
-FOUND = {method: chain.extract(ETA, GRID.spacing, WAVENUMBERS, method=method).velocities for method in chain.METHODS}
+FOUND = {method: chain.extract(ETA, GRID.spacing, WAVENUMBERS, method=method).velocities for method in METHODS}
 POWERS = st.floats(-323, 308)
 FEW = settings(max_examples=40, deadline=None, derandomize=True)
 
 
-@pytest.mark.parametrize("method", chain.METHODS)
+@pytest.mark.parametrize("method", METHODS)
 @FEW
 @given(st.floats(-300, 308))
 def test_velocities_do_not_depend_on_the_amplitude(method, power):
@@ -37,7 +37,7 @@ def test_velocities_do_not_depend_on_the_amplitude(method, power):
 
 @pytest.mark.parametrize("factor", [5e-324, 1e-320, 1e-310, np.finfo(np.float32).tiny, np.finfo(np.float64).max])
 def test_the_ends_of_what_can_be_stored_are_no_end(factor):
-    for method in chain.METHODS:
+    for method in METHODS:
         assert np.isfinite(chain.extract(ETA * factor, GRID.spacing, WAVENUMBERS, method=method).velocities).all()
 
 
@@ -48,7 +48,7 @@ def test_a_power_of_two_changes_no_bit():
 
 
 @FEW
-@given(*[POWERS] * 4, st.sampled_from(list(chain.METHODS)))
+@given(*[POWERS] * 4, st.sampled_from(list(METHODS)))
 def test_any_spacing_gravity_and_wavenumber_gives_a_number_or_a_refusal(length, time, gravity, wavenumber, method):
     dx, dt, g, k = (10.0**power for power in (length, time, gravity, wavenumber))
     with suppress(LeakrefError):

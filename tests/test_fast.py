@@ -8,7 +8,8 @@ from hypothesis import HealthCheck, Phase, given, settings as hypothesis_setting
 from conftest import RECTANGULAR, waves_off_bins
 
 from leakref import Components, Grid, LeakrefError, SeaState, UniformCurrent, aligned_waves, leakage
-from leakref.chain import METHODS, analyse, shell_wavenumbers
+from leakref.chain import analyse, shell_wavenumbers
+from leakref.methods import METHODS
 from leakref.fast import realize
 from leakref.fast.spectra import Disc, magnitudes
 from leakref.shell import Note, shell_at

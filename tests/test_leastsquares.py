@@ -99,8 +99,8 @@ def test_no_signal_is_no_number():
 
 def test_optimum_takes_the_threshold_of_the_paper_by_default(tapered):
     shell = shell_at(tapered, 1.0)
-    assert np.array_equal(optimum(shell)[0], optimum(shell, 0.2)[0])
-    assert not np.array_equal(optimum(shell)[0], optimum(shell, 0.5)[0])
+    assert np.array_equal(optimum(shell).velocity, optimum(shell, 0.2).velocity)
+    assert not np.array_equal(optimum(shell).velocity, optimum(shell, 0.5).velocity)
     assert THRESHOLD == 0.2
 
 

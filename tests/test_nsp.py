@@ -14,6 +14,7 @@ from scipy.optimize import root
 
 from leakref import (Components, Grid, LeakrefError, Note, Scales, SeaState, UniformCurrent, aligned_waves, analyse,
                      extract, fourier, leakage, nsp, shell_wavenumbers, synthesize)
+from leakref.dispersion import Water
 from leakref.nsp import START, WIDTH, characteristic_function, normalized_scalar_product, optimum, score_derivatives
 from leakref.shell import Shell, shell_at
 
@@ -27,7 +28,7 @@ def test_score_is_the_literal_loop_over_half_and_whole_space(grid, gravity):
     # a few thousand positive terms: no cancellation, so rounding stays below 1e-13
     spectrum = fourier(np.random.default_rng(5).normal(size=grid.shape), grid, "box")
     whole, width = spectrum.whole().tolist(), 3 * grid.frequency_resolution
-    shell = shell_at(spectrum, 1.05, gravity=gravity)
+    shell = shell_at(spectrum, 1.05, water=Water(gravity))
     for velocity in VELOCITIES:
         score = normalized_scalar_product(shell, velocity, width)
         for half in (True, False):
@@ -301,10 +302,10 @@ def by_hand(magnitude) -> Shell:
 @pytest.mark.parametrize(("magnitude", "reason"), [
     (np.ones_like, Note.UNCONVERGED), (lambda w: np.exp(-3 * w), Note.EDGE)], ids=["no slope", "no end to it"])
 def test_a_score_without_a_maximum_is_no_number(magnitude, reason):
-    velocity, score, gradient, hessian, evaluations, note = optimum(by_hand(magnitude), 0.4, 1.0)
-    assert note == reason
-    assert all(np.isnan(v).all() for v in (velocity, score, gradient, hessian))
-    assert evaluations > 0
+    found = optimum(by_hand(magnitude), 0.4, 1.0)
+    assert found.note == reason
+    assert all(np.isnan(v).all() for v in (found.velocity, found.score, found.gradient, found.hessian))
+    assert found.evaluations > 0
 
 
 @pytest.mark.parametrize(("settings", "fault"), [

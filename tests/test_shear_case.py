@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 from leakref import LeakrefError, ProfileCurrent, runs
 from leakref.cases import CASES, configurations
 from leakref.cli.base import app
-from leakref.dispersion import intrinsic_frequency
+from leakref.dispersion import DEEP
 from leakref.ensemble import Ensemble
 from leakref.paper import shear
 from leakref.paper.shear import BANDS, SHEARED, Sheared, answer, inferred, sheared
@@ -56,7 +56,7 @@ def test_every_wave_is_shifted_by_its_own_velocity():
         k = np.hypot(waves.kx, waves.ky)
         shift = waves.kx, waves.ky
         own = small.depending_on_depth.doppler_shift_velocity(k)
-        np.testing.assert_allclose(waves.omega - intrinsic_frequency(k), shift[0] * own[:, 0] + shift[1] * own[:, 1],
+        np.testing.assert_allclose(waves.omega - DEEP.frequency(k), shift[0] * own[:, 0] + shift[1] * own[:, 1],
                                    atol=1e-12)
 
 

@@ -9,6 +9,7 @@ import oracles
 import pytest
 
 from leakref import Components, Grid, LeakrefError, Note, Spectrum, analyse, fourier, leakage, nsp, shell_wavenumbers
+from leakref.dispersion import DEEP, Water
 from leakref.shell import (EDGE_MARGIN, HALF_WIDTH, Shell, checked_wavenumbers, collect, nothing, shell_at,
                            velocity_unit)
 
@@ -40,7 +41,7 @@ def test_a_shell_is_the_literal_list_of_its_bins_with_those_on_the_edge(length, 
 def test_a_shell_holds_magnitudes_frequencies_and_weights_of_its_columns():
     grid = Grid((12, 17, 22), (0.9, 0.6, 0.35))
     spectrum = noise(grid)
-    shell = shell_at(spectrum, 1.5, gravity=9.81, half_width=1.5)
+    shell = shell_at(spectrum, 1.5, water=Water(9.81), half_width=1.5)
     whole, dk = spectrum.whole(), grid.wavenumber_resolution
     assert np.array_equal(shell.omega, spectrum.omega)
     assert np.array_equal(shell.weight, spectrum.half_weight)
@@ -115,9 +116,9 @@ def test_wavenumbers_may_be_one_number_or_a_list():
 
 
 def test_velocity_unit_is_the_phase_velocity_at_the_peak():
-    assert velocity_unit(2.0, 1.0, None) == 1.0  # scaled units
-    assert velocity_unit(2.0, 9.81, None) == pytest.approx(np.sqrt(9.81 / 2), rel=4e-16)  # decision D21
-    assert velocity_unit(2.0, 9.81, 0.1) == pytest.approx(np.sqrt(98.1), rel=4e-16)
+    assert velocity_unit(2.0, DEEP, None) == 1.0  # scaled units
+    assert velocity_unit(2.0, Water(9.81), None) == pytest.approx(np.sqrt(9.81 / 2), rel=4e-16)  # decision D21
+    assert velocity_unit(2.0, Water(9.81), 0.1) == pytest.approx(np.sqrt(98.1), rel=4e-16)
 
 
 def test_notes_are_named_as_in_json():
@@ -146,7 +147,7 @@ GRID = Grid((16, 12, 8), (0.7, 0.9, 0.5))
 
 @pytest.mark.parametrize(("wavenumber", "settings", "fault", "remedy"), [
     (0.0, {}, "wavenumber = 0", "> 0"), (-1.0, {}, "wavenumber = -1", "> 0"), (np.nan, {}, "not finite", "remove"),
-    (1.0, {"gravity": 0}, "gravity = 0", "> 0"), (1.0, {"half_width": -2}, "half_width = -2", "> 0"),
+    (1.0, {"half_width": -2}, "half_width = -2", "> 0"),
     (3.0, {}, "past the Nyquist wavenumber", "ask for k below"), (50.0, {}, "past the Nyquist", "ask for k below"),
     (0.3, {"half_width": 0.1}, "no bin lies within 0.1 dk", "widen the shell")])
 def test_bad_shells_are_refused(wavenumber, settings, fault, remedy):
