@@ -184,7 +184,8 @@ def laws(text: str) -> list[str]:
         if under is not None:
             under = ast.Pass() if ast.unparse(under).startswith("DEEP.") else under
             squared = {id(n.left) for n in ast.walk(under) if isinstance(n, ast.BinOp) and isinstance(n.op, ast.Pow)}
-            names = {n.id.strip("_").lower() for n in ast.walk(under) if isinstance(n, ast.Name) and id(n) not in squared}
+            names = {n.id.strip("_").lower() for n in ast.walk(under)
+                     if isinstance(n, ast.Name) and id(n) not in squared}
             names |= {n.attr for n in ast.walk(under) if isinstance(n, ast.Attribute) and n.attr != "size"}
             if any(n in ("k", "k0", "g", "k_i", "size", "scale", "radius") or "gravity" in n or "wavenumber" in n
                    for n in names):

@@ -112,7 +112,9 @@ def _resolutions(given: Input) -> Output:
 def _resolutions_witness(given: Input, _: Output) -> Output:
     g, dk, dw = (oracle.mpf(given[name]) for name in ("gravity", "wavenumber_resolution", "frequency_resolution"))
     k = [oracle.mpf(v) for v in given["wavenumber"]]
-    return {"from_frequency": [dw / v for v in k], "from_wavenumber": [oracle.dispersion(v, g) / v / 2 * dk / v for v in k]}
+    group = [oracle.dispersion(v, g) / v / 2 for v in k]
+    from_wavenumber = [c * dk / v for c, v in zip(group, k, strict=True)]
+    return {"from_frequency": [dw / v for v in k], "from_wavenumber": from_wavenumber}
 
 
 def _profile(given: Input) -> ProfileCurrent:
