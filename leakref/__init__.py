@@ -51,7 +51,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """Load a name from its room on first use: `import leakref` alone stays light."""
+    """Load a name from its module on first use: `import leakref` alone stays light."""
     if name not in _HOME:
         raise AttributeError(f"module 'leakref' has no attribute {name!r}")
     return getattr(import_module(f"leakref.{_HOME[name]}"), name)

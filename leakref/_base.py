@@ -1,4 +1,4 @@
-"""What every room may lean on: the array type and the one kind of refusal."""
+"""What every module may lean on: the array type and the one kind of refusal."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ def njit(**options: Any) -> Callable[[Any], Any]:
     import numba
 
     def compiled(function: Any) -> Any:
-        if os.path.isfile(function.__code__.co_filename):  # numba keeps code by its file: altered rooms have none
+        if os.path.isfile(function.__code__.co_filename):  # numba keeps code by its file: altered modules have none
             try:
                 return numba.njit(cache=True, **options)(function)
             except RuntimeError:  # no place after all

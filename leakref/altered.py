@@ -1,8 +1,8 @@
 """The chain with lines of its source changed: variants of decisions, and faults.
 
-A change names a room, a text that occurs in it exactly once, and what stands there instead. The altered rooms
+A change names a module, a text that occurs in it exactly once, and what stands there instead. The altered modules
 are imported under another package name, so that the chain itself, and other alterations, are not touched. The
-compiled rooms can be altered likewise; what no change reaches of them is shared, since compiling takes half a minute.
+compiled modules can be altered likewise; what no change reaches of them is shared, since compiling takes half a minute.
 """
 
 from __future__ import annotations
@@ -27,64 +27,64 @@ from leakref._base import LeakrefError
 
 __all__ = ["Change", "altered"]
 
-_ROOMS = Path(__file__).parent
+_HOME = Path(__file__).parent
 _SHARED = ("_base", "_caches")  # exceptions and types must be the same ones everywhere
 _PACKAGE = __name__.rpartition(".")[0]
 
 
 @dataclass(frozen=True)
 class Change:
-    """In `room`, `new` instead of `old`, which occurs exactly once."""
+    """In `module`, `new` instead of `old`, which occurs exactly once."""
 
-    room: str
+    module: str
     old: str
     new: str
 
 
 class _Altered(importlib.abc.MetaPathFinder, importlib.abc.Loader):
-    """Imports rooms of the package `name` from the sources of leakref, changed."""
+    """Imports modules of the package `name` from the sources of leakref, changed."""
 
     def __init__(self, name: str, changes: Sequence[Change]) -> None:
         self.name, self.changes = name, changes
 
     def find_spec(self, fullname: str, path: Any = None, target: Any = None) -> importlib.machinery.ModuleSpec | None:
         if fullname == self.name or fullname.startswith(self.name + "."):
-            is_package = _file(self._room(fullname)).stem == "__init__"
+            is_package = _file(self._own(fullname)).stem == "__init__"
             return importlib.util.spec_from_loader(fullname, self, is_package=is_package)
         return None
 
-    def _room(self, fullname: str) -> str:
+    def _own(self, fullname: str) -> str:
         return fullname.removeprefix(self.name).lstrip(".") or "__init__"
 
     def exec_module(self, module: ModuleType) -> None:
-        room = self._room(module.__name__)
-        source = _changed(room, [change for change in self.changes if change.room == room])
+        part = self._own(module.__name__)
+        source = _changed(part, [change for change in self.changes if change.module == part])
         own = re.sub(rf"^(\s*from )leakref(?!\.(?:{'|'.join(_SHARED)})\b)([. ])", rf"\1{self.name}\2", source,
                      flags=re.MULTILINE)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", SyntaxWarning)  # what is planted need not make sense
-            code = compile(own, f"<{self.name}.{room}>", "exec")
+            code = compile(own, f"<{self.name}.{part}>", "exec")
         exec(code, module.__dict__)
 
 
-def _file(room: str) -> Path:
-    """Where a room stands, a dotted name below the package."""
-    place = _ROOMS.joinpath(*room.split("."))
+def _file(part: str) -> Path:
+    """Where a module stands, a dotted name below the package."""
+    place = _HOME.joinpath(*part.split("."))
     return place / "__init__.py" if place.is_dir() else place.with_suffix(".py")
 
 
-def _changed(room: str, changes: Sequence[Change]) -> str:
-    source = _file(room).read_text(encoding="utf-8")
+def _changed(part: str, changes: Sequence[Change]) -> str:
+    source = _file(part).read_text(encoding="utf-8")
     for change in changes:
         if (count := source.count(change.old)) != 1 or change.old == change.new:
-            raise LeakrefError("altered", f"{change.old!r} occurs {count} times in {room}.py",
+            raise LeakrefError("altered", f"{change.old!r} occurs {count} times in {part}.py",
                                "bring the change up to date with the source")
         source = source.replace(change.old, change.new)
     return source
 
 
 @cache
-def _rooms(*entries: str) -> list[str]:
+def _alterable(*entries: str) -> list[str]:
     """What can be altered of the modules that compute something: all but the package itself and what is shared."""
     names = (module.partition(".")[2] for module in sources.closure(*(f"{_PACKAGE}.{entry}" for entry in entries)))
     return [name for name in names if name not in ("", *_SHARED)]
@@ -92,30 +92,30 @@ def _rooms(*entries: str) -> list[str]:
 
 @cache
 def _compiled() -> dict[str, set[str]]:
-    """The compiled rooms, and for each whose changes reach it."""
-    return {room: {module.partition(".")[2] for module in sources.reach(f"{_PACKAGE}.{room}")} - {*_SHARED}
-            for room in _rooms("fast", "cases")
-            if any(name == "njit" for _, name in sources.imports(_file(room).read_text("utf-8"))[2])}
+    """The compiled modules, and for each whose changes reach it."""
+    return {part: {module.partition(".")[2] for module in sources.reach(f"{_PACKAGE}.{part}")} - {*_SHARED}
+            for part in _alterable("fast", "cases")
+            if any(name == "njit" for _, name in sources.imports(_file(part).read_text("utf-8"))[2])}
 
 
 @cache
 def altered(changes: tuple[Change, ...], *, fast: bool = False) -> Any:
-    """The chain with all `changes` made: its rooms as attributes, `altered(...).nsp` and so on.
+    """The chain with all `changes` made: its modules as attributes, `altered(...).nsp` and so on.
 
-    With `fast` also `cases`, `fast` and the compiled rooms, these the package's own where no change reaches them.
+    With `fast` also `cases`, `fast` and the compiled modules, these the package's own where no change reaches them.
     Raises LeakrefError if a change no longer fits the source, before anything runs.
     """
-    rooms = {change.room for change in changes}
-    for room in rooms:
-        _changed(room, [change for change in changes if change.room == room])
+    modules = {change.module for change in changes}
+    for part in modules:
+        _changed(part, [change for change in changes if change.module == part])
     name = f"leakref_altered_{sha256(repr((changes, fast)).encode()).hexdigest()[:12]}"
     sys.meta_path.insert(0, _Altered(name, changes))
     package = importlib.import_module(name)
-    for room, needs in _compiled().items() if fast else ():
-        if not rooms & needs:
-            sys.modules[f"{name}.{room}"] = importlib.import_module(f"{_PACKAGE}.{room}")
-    for room in _rooms("fast", "cases") if fast else _rooms("chain"):
-        module = importlib.import_module(f"{name}.{room}")
-        above, _, own = f"{name}.{room}".rpartition(".")
+    for part, needs in _compiled().items() if fast else ():
+        if not modules & needs:
+            sys.modules[f"{name}.{part}"] = importlib.import_module(f"{_PACKAGE}.{part}")
+    for part in _alterable("fast", "cases") if fast else _alterable("chain"):
+        module = importlib.import_module(f"{name}.{part}")
+        above, _, own = f"{name}.{part}".rpartition(".")
         setattr(sys.modules[above], own, module)
     return package

@@ -15,8 +15,8 @@ from leakref import chain
 from leakref._base import FloatArray
 from leakref._output import console, dump, envelope, folder, progress_bar, write_whole
 from leakref.cases import Configuration, configurations
-from leakref.certify.runner import chosen
-from leakref.certify.strength.diagnosis import explained
+from leakref.certify.runner import select
+from leakref.certify.strength.diagnosis import explain
 from leakref.certify.strength.faults import FAULTS
 from leakref.certify.subject.inprocess import InProcess
 from leakref.certify.runner import certify
@@ -85,14 +85,14 @@ def run(out: Path, *, json: bool = False) -> bool:
 def _certify(out: Path) -> tuple[list[dict[str, Any]], Path]:
     """The reference certified and a planted fault caught and named, on a few of the checks; steps, and its page."""
     found = {}
-    checks = chosen(_CHECKS, profile="quick")
+    checks = select(_CHECKS, profile="quick")
     with progress_bar("checks of the reference, and of a planted fault", 2 * len(checks)) as step:
         for target in ("reference", f"fault:{_FAULT}"):
             subject = InProcess(load(target))
             found[target] = certify(target, [nullcontext(subject)], checks, profile="quick",
                                     after_each=lambda finding: step())
     with progress_bar("faults compared with what fell short", None) as step:
-        caught = explained(found[f"fault:{_FAULT}"], after_each=step)
+        caught = explain(found[f"fault:{_FAULT}"], after_each=step)
     page = write_whole(out / "certificate.html", partial(_write_text, render(caught)))
     named = bool(caught.diagnosis) and caught.diagnosis[0]["fault"] == _FAULT
     right = found["reference"]

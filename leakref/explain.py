@@ -12,7 +12,7 @@ from rich.markup import escape
 from leakref._base import Damaged, LeakrefError
 from leakref._output import dump, envelope
 
-__all__ = ["explained", "run"]
+__all__ = ["explain", "run"]
 
 Explanation = dict[str, Any]
 
@@ -21,7 +21,7 @@ def run(identifier: str | None, *, json: bool = False) -> bool:
     """Print what `identifier` stands for, or what there is. Raises LeakrefError, naming those that come close."""
     if identifier is None:
         return _list(json=json)
-    found = explained(identifier)
+    found = explain(identifier)
     if json:
         print(dump(envelope("explain", True, **found)))
         return True
@@ -34,7 +34,7 @@ def run(identifier: str | None, *, json: bool = False) -> bool:
     return True
 
 
-def explained(identifier: str) -> Explanation:
+def explain(identifier: str) -> Explanation:
     """`id`, `kind` and what there is to say, by name, of whatever is called `identifier`."""
     for look in (_check, _family, _fault, _variant, _claim, _decision, _golden):
         found = look(identifier)
@@ -64,23 +64,23 @@ def _list(*, json: bool) -> bool:
 
 
 def _names() -> Iterator[str]:
-    from leakref.certify.runner import chosen
+    from leakref.certify.runner import select
     from leakref.certify.strength.faults import FAULTS
     from leakref.certify.checks.registry import FAMILIES
     from leakref.certify.strength.variants import VARIANTS
     from leakref.claims import CLAIMS
     from leakref.decisions import DECISIONS
 
-    yield from (c.id for c, _ in chosen())
+    yield from (c.id for c, _ in select())
     for register in (FAMILIES, FAULTS, VARIANTS, CLAIMS, DECISIONS):
         yield from register
 
 
 def _check(identifier: str) -> Explanation | None:
-    from leakref.certify.runner import chosen
+    from leakref.certify.runner import select
 
     name, _, rest = identifier.partition("[")
-    matches = [(c, case) for c, case in chosen() if c.id == name and (not rest or f"[{case.id}]" == f"[{rest}")]
+    matches = [(c, case) for c, case in select() if c.id == name and (not rest or f"[{case.id}]" == f"[{rest}")]
     if not matches:
         return None
     c, case = matches[0]
@@ -93,19 +93,19 @@ def _check(identifier: str) -> Explanation | None:
 
 
 def _killed_by(check: str) -> list[str]:
-    """Faults whose witness is this check."""
+    """Faults whose killing input is this check."""
     from leakref.certify.strength.faults import FAULTS
 
-    return [fault.id for fault in FAULTS.values() if fault.witness.partition("[")[0] == check]
+    return [fault.id for fault in FAULTS.values() if fault.killing_input.partition("[")[0] == check]
 
 
 def _family(identifier: str) -> Explanation | None:
-    from leakref.certify.runner import chosen
+    from leakref.certify.runner import select
     from leakref.certify.checks.registry import FAMILIES
 
     if identifier not in FAMILIES:
         return None
-    checks = dict.fromkeys(c.id for c, _ in chosen([identifier]))
+    checks = dict.fromkeys(c.id for c, _ in select([identifier]))
     return {"id": identifier, "kind": "a family of checks", "about": FAMILIES[identifier], "checks": list(checks)}
 
 
@@ -116,8 +116,8 @@ def _fault(identifier: str) -> Explanation | None:
     if fault is None:
         return None
     return {"id": fault.id, "kind": "a fault", "what_is_wrong": fault.words, "stage": fault.stage,
-            "meant_for": fault.family, "witness": fault.witness,
-            "changes": [f"{c.room}: {c.old!r} becomes {c.new!r}" for c in fault.changes],
+            "meant_for": fault.family, "witness": fault.killing_input,
+            "changes": [f"{c.module}: {c.old!r} becomes {c.new!r}" for c in fault.changes],
             "try": f"leakref certify fault:{fault.id}"}
 
 

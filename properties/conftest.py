@@ -1,4 +1,4 @@
-"""Fixtures of the properties: what is examined, and the rooms behind it."""
+"""Fixtures of the properties: what is examined, and the modules behind it."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ def examined(request: pytest.FixtureRequest) -> Examined:
 
 
 @pytest.fixture(scope="session")
-def rooms(examined: Examined) -> Any:
-    """The rooms of the chain, for properties of its inside."""
-    if examined.rooms is None:
+def modules(examined: Examined) -> Any:
+    """The modules of the chain, for properties of its inside."""
+    if examined.modules is None:
         pytest.skip("of the inside of the reference")
-    return examined.rooms
+    return examined.modules

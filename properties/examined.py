@@ -31,13 +31,13 @@ SINGLE = 1e-5
 
 @dataclass(frozen=True, eq=False)
 class Examined:
-    """An implementation, and the rooms of the chain behind it: None if it is not the reference, or that with a fault.
+    """An implementation, and the modules of the chain behind it: None if it is not the reference, or that with a fault.
 
     `is_reference`: held to rounding.
     """
 
     subject: Subject
-    rooms: Any = None
+    modules: Any = None
     is_reference: bool = False
 
     def _repr_pretty_(self, printer: Any, cycle: bool) -> None:  # what hypothesis prints of it
@@ -128,7 +128,7 @@ def same(examined: Examined, cube: Cube, window: str, method: str, found: FloatA
 
 
 def reference() -> Examined:
-    """The built-in implementation, with its rooms."""
+    """The built-in implementation, with its modules."""
     import leakref.leakage, leakref.leastsquares, leakref.nsp  # noqa: E401
 
     return Examined(InProcess(chain.reference), leakref, is_reference=True)

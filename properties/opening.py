@@ -24,8 +24,8 @@ def examined(target: str) -> Examined:
         return reference()
     implementation = load(target)
     kind, _, name = target.partition(":")
-    rooms = altered(FAULTS[name].changes) if kind == "fault" else None
-    return Examined(InProcess(implementation), rooms)
+    modules = altered(FAULTS[name].changes) if kind == "fault" else None
+    return Examined(InProcess(implementation), modules)
 
 
 def opened(target: str | None, command: str | None, profile: str = "quick") -> tuple[Examined, Callable[[], Any]]:

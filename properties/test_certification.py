@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from leakref.certify.runner import chosen
+from leakref.certify.runner import select
 from leakref.certify.pytesting import settle
 from leakref.certify.checks.registry import Case, Check
 from leakref.plugin import ASKED
@@ -14,7 +14,7 @@ from .examined import Examined
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     """The checks of the profile that is asked for."""
     asked = metafunc.config.pluginmanager.get_plugin(ASKED)
-    pairs = chosen(profile=asked.profile if asked else "quick")
+    pairs = select(profile=asked.profile if asked else "quick")
     metafunc.parametrize(("check", "case"), pairs, ids=[f"{check.id}[{case.id}]" for check, case in pairs])
 
 

@@ -26,14 +26,14 @@ def test_two_peak_wavenumbers_give_the_same_current(examined: Examined, cube: Cu
 
 @examples(16)
 @given(cube=seas(shells=1), length=st.floats(-1, 1), time=st.floats(-1, 1), method=st.sampled_from(("nsp", "ls")))
-def test_units_of_length_and_time_are_free(rooms: Any, cube: Cube, length: float, time: float, method: str) -> None:
+def test_units_of_length_and_time_are_free(modules: Any, cube: Cube, length: float, time: float, method: str) -> None:
     """Lengths by one factor, times by another, gravity by length over time squared: velocities by length over time, to
     1e-10 c0, where nothing is to be noted."""
     length, time = 10.0**length, 10.0**time
     dx, dy, dt = cube.spacing
     units = {"gravity": length / time**2, "peak_wavenumber": 1 / length}
-    found = rooms.chain.extract(cube.surface, (dx * length, dy * length, dt * time), cube.wavenumbers / length,
+    found = modules.chain.extract(cube.surface, (dx * length, dy * length, dt * time), cube.wavenumbers / length,
                                 method=method, **units).velocities * time / length
-    should = rooms.chain.extract(cube.surface, cube.spacing, cube.wavenumbers, method=method).velocities
+    should = modules.chain.extract(cube.surface, cube.spacing, cube.wavenumbers, method=method).velocities
     known = unflagged(cube, "hann", method)
     assert np.abs(found - should)[known].max(initial=0) < PRECISION

@@ -51,11 +51,11 @@ SEEDS = st.integers(0, 10**6)
 
 @examples(120, shrink=True)
 @given(data=st.data(), grid=grids(), window=windows())
-def test_closed_form_is_the_fft_of_the_surface(rooms: Any, data: st.DataObject, grid: Grid, window: str) -> None:
+def test_closed_form_is_the_fft_of_the_surface(modules: Any, data: st.DataObject, grid: Grid, window: str) -> None:
     """Route B against route A on every bin, for waves on bins, off them and within rounding of them: 1e-13 of the sum
     of the amplitudes times the samples."""
     components = data.draw(waves(grid), label="waves")
-    a, b = (rooms.chain.transform(components, grid, (window,), route=route)[0].values for route in "AB")
+    a, b = (modules.chain.transform(components, grid, (window,), route=route)[0].values for route in "AB")
     assert np.abs(a - b).max() <= ROUNDING * components.amplitude.sum() * np.prod(grid.shape)
 
 

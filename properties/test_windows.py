@@ -30,18 +30,18 @@ def textbook(name: str, t: FloatArray) -> FloatArray:
 @example(name="hann", offset=1.0)
 @example(name="blackman", offset=-2.0)
 @example(name="hann", offset=1 + 1e-9)
-def test_lobe_is_the_transform_of_the_textbook_window(rooms: Any, name: str, offset: float) -> None:
+def test_lobe_is_the_transform_of_the_textbook_window(modules: Any, name: str, offset: float) -> None:
     """At arbitrary offsets, to 1e-14: Gauss-Legendre with 200 nodes has 40 half waves to rounding."""
     integral = (WEIGHTS * textbook(name, NODES) * np.cos(np.pi * NODES * offset)).sum() / 2
-    assert abs(float(rooms.window.window(name).transform(offset)) - integral) < 1e-14
+    assert abs(float(modules.window.window(name).transform(offset)) - integral) < 1e-14
 
 
 @examples(100, shrink=True)
 @given(name=st.sampled_from(list(COSINES)), distance=st.integers(1, 10**6), size=sizes(256))
-def test_lobes_vanish_on_bins(rooms: Any, name: str, distance: int, size: int) -> None:
+def test_lobes_vanish_on_bins(modules: Any, name: str, distance: int, size: int) -> None:
     """Beyond the bins of the window's own lines. The lobes to 3e-16: each is a sinc, sin(pi v) / (pi v), and pi v is
     rounded. The transform of the samples, periodic (D1), to 1e-15 of their number."""
-    window, lines = rooms.window.window(name), len(COSINES[name])
+    window, lines = modules.window.window(name), len(COSINES[name])
     for v in (distance + lines - 1, -distance - lines + 1):
         assert abs(float(window.transform(v))) < 3e-16
     beyond = np.fft.fft(window.samples(size))[lines : size - lines + 1]
@@ -52,7 +52,7 @@ def test_lobes_vanish_on_bins(rooms: Any, name: str, distance: int, size: int) -
 @given(name=windows(), size=sizes(128), nearest=st.integers(-64, 64), rest=offsets(0.5))
 @example(name="box", size=128, nearest=60, rest=1e-9)
 @example(name="hann", size=127, nearest=-63, rest=1e-3)
-def test_response_is_the_sum_over_samples(rooms: Any, name: str, size: int, nearest: int, rest: float) -> None:
+def test_response_is_the_sum_over_samples(modules: Any, name: str, size: int, nearest: int, rest: float) -> None:
     """On every bin, for a wave on a bin, between bins or within rounding of one, to 2e-14 of the number of samples:
     what the sum itself loses, its phases being those of at most half a turn for each sample.
 
@@ -60,7 +60,7 @@ def test_response_is_the_sum_over_samples(rooms: Any, name: str, size: int, near
     """
     position, bins, m = nearest + rest, np.arange(size), np.arange(size)
     turns = ((bins[:, None] - nearest) * m) % size / size - (position - nearest) * m / size
-    window = rooms.window.window(name)
+    window = modules.window.window(name)
     sums = (window.samples(size) * np.exp(-2j * np.pi * turns)).sum(axis=1)
     assert np.abs(window.response(bins, position, size)[:, 0] - sums).max() <= 2e-14 * size
 

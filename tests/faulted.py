@@ -23,24 +23,24 @@ def _parameters(function: Callable[..., None]) -> Iterator[dict[str, object]]:
 def properties() -> dict[str, tuple[Callable[..., None], list[dict[str, object]]]]:
     """Every property by `module.name`, with what it is parametrised over."""
     found = {}
-    for room in MODULES:
-        module = importlib.import_module(f"leakref.properties.test_{room}")
+    for family in MODULES:
+        module = importlib.import_module(f"leakref.properties.test_{family}")
         for name, function in vars(module).items():
             if name.startswith("test_") and inspect.isfunction(function):
-                found[f"{room}.{name.removeprefix('test_')}"] = function, list(_parameters(function))
+                found[f"{family}.{name.removeprefix('test_')}"] = function, list(_parameters(function))
     return found
 
 
 def outcome(name: str, examined: Examined) -> str:
     """pass, fail, or skip: of a property on an implementation. It fails if it does for any of its parameters."""
     function, cases = properties()[name]
-    inside = "rooms" in inspect.signature(function).parameters
-    if inside and examined.rooms is None:
+    inside = "modules" in inspect.signature(function).parameters
+    if inside and examined.modules is None:
         return "skip"
     said = set()
     for case in cases:
         try:
-            function(**({"rooms": examined.rooms} if inside else {"examined": examined}), **case)
+            function(**({"modules": examined.modules} if inside else {"examined": examined}), **case)
             said.add("pass")
         except pytest.skip.Exception:
             said.add("skip")

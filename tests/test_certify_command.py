@@ -13,9 +13,9 @@ from test_commands import here, leakref as command
 from leakref import LeakrefError
 from leakref.certify import commands
 from leakref.certify.certificate import schema
-from leakref.certify.runner import chosen
+from leakref.certify.runner import select
 from leakref.certify.verdict import Finding, Verdict
-from leakref.explain import explained
+from leakref.explain import explain
 
 ODD = """
 import numpy as np
@@ -79,7 +79,7 @@ def test_a_certificate_in_json_follows_its_schema_and_names_the_mistake(project,
 
 
 def test_known_failures_are_let_pass_until_they_pass(project, tmp_path):
-    names = [f"{c.id}[{case.id}]" for c, case in chosen(["signs.aligned"], profile="quick")]
+    names = [f"{c.id}[{case.id}]" for c, case in select(["signs.aligned"], profile="quick")]
     known = tmp_path / "known.toml"
     known.write_text("".join(f'"{name}" = {{reason = "rows", issue = "#1"}}\n' for name in names))
     words = ("--only", "signs.aligned", "--known", known)
@@ -97,7 +97,7 @@ def test_a_program_is_certified_as_a_target_is(project):
                    cwd=project)
     record = json.loads(done.stdout)
     assert (done.returncode, record["grade"], record["target"]) == (0, "conformant", worker)
-    assert len(record["findings"]) == len(chosen(["conformance.window"], profile="quick"))
+    assert len(record["findings"]) == len(select(["conformance.window"], profile="quick"))
 
 
 @pytest.mark.parametrize(("words", "limit"), [(("--timeout", 0.7), "0.7"), (("--start-timeout", 0.6), "0.6"),
@@ -119,7 +119,7 @@ def test_what_is_ours_does_not_count_as_the_start(project):
 
 def test_lists_and_schema_are_printed():
     ids = command("certify", "--list").stdout.split()
-    assert len(ids) == len(set(ids)) == len(chosen(profile="quick")) > 100
+    assert len(ids) == len(set(ids)) == len(select(profile="quick")) > 100
     assert json.loads(command("certify", "--schema").stdout) == schema()
 
 
@@ -128,11 +128,11 @@ def test_lists_and_schema_are_printed():
     ("exchanged-axes", "a fault"), ("fault:exchanged-axes", "a fault"), ("bfgs", "a correct variant"),
     ("A4", "a claim of the paper"), ("D4", "a decision"), ("D12", "a decision"), ("window-hann-7", "a golden value")])
 def test_every_kind_of_id_is_explained(identifier, kind):
-    found = explained(identifier)
+    found = explain(identifier)
     assert str(found["kind"]).startswith(kind)
     assert len(found) > 3
     with pytest.raises(LeakrefError, match=r"perhaps .* is meant"):
-        explained(identifier + "s")
+        explain(identifier + "s")
 
 
 def test_explain_prints_words_or_json():

@@ -10,7 +10,7 @@ import pytest
 from leakref import Components, Grid, LeakrefError
 from leakref.certify.checks import criteria, inputs, registry
 from leakref.certify.checks.signs import image
-from leakref.certify.runner import chosen, run_check
+from leakref.certify.runner import select, run_check
 from leakref.certify.checks.inputs import SEA, SHELLS, pair, sea
 from leakref.certify.checks.criteria import expected, score, unflagged
 from leakref.certify.subject.inprocess import InProcess
@@ -21,8 +21,8 @@ from leakref.chain import Reference, extract, reference
 from leakref.dispersion import UniformCurrent
 from leakref.window import window as named_window
 
-QUICK = [f"{c.id}[{case.id}]" for c, case in chosen(profile="quick")]
-SLOW = [f"{c.id}[{case.id}]" for c, case in chosen() if not case.quick]
+QUICK = [f"{c.id}[{case.id}]" for c, case in select(profile="quick")]
+SLOW = [f"{c.id}[{case.id}]" for c, case in select() if not case.quick]
 
 
 @pytest.fixture(scope="module")
@@ -188,7 +188,7 @@ SEEN = [(name, check) for name, (_, seen) in MISTAKES.items() for check in seen]
 def worst_of(check: str, implementation) -> registry.Finding:
     """The quick cases of a check, up to the first that fails."""
     findings = []
-    for c, case in chosen([check], profile="quick"):
+    for c, case in select([check], profile="quick"):
         findings.append(c(InProcess(implementation), case))
         if findings[-1].verdict is Verdict.FAIL:
             break
@@ -250,7 +250,7 @@ class Band(Only):
 
 def verdicts(implementation, *patterns):
     subject = InProcess(implementation)
-    return {f"{c.id}[{case.id}]": c(subject, case).verdict for c, case in chosen(patterns, profile="quick")}
+    return {f"{c.id}[{case.id}]": c(subject, case).verdict for c, case in select(patterns, profile="quick")}
 
 
 def test_what_is_not_offered_is_not_judged():
@@ -366,7 +366,7 @@ class Watching(InProcess):
 def shown():
     subject = Watching(reference)
     subject.extract = lambda *args, **settings: InProcess.extract(subject, *args, **{**settings, "scale": 1.0})
-    for c, case in chosen(profile="quick"):
+    for c, case in select(profile="quick"):
         if c.id != "behaviour.past-nyquist":
             c(subject, case)
     return subject.seen
@@ -483,9 +483,9 @@ def test_conformance_is_to_the_golden_set_that_was_asked_for(tmp_path, monkeypat
     usual = conformance.locate
     monkeypatch.setattr(conformance, "locate", lambda n: usual(n) if n == 1 else tmp_path / f"v{n}")
     for number, verdict in ((1, "pass"), (2, "fail")):
-        (pair,) = chosen(["conformance.window[window-hann-7]"], golden=number)
+        (pair,) = select(["conformance.window[window-hann-7]"], golden=number)
         assert pair[0](InProcess(Reference()), pair[1]).verdict == verdict
-    assert len(chosen(golden=2)) == len(chosen())
+    assert len(select(golden=2)) == len(select())
 
 
 class Square(Reference):
@@ -502,12 +502,12 @@ class Square(Reference):
 @pytest.mark.parametrize("family", ["signs", "recovery", "leakage.swell", "leakage.aligned", "currents.aligned",
                                     "metamorphic.symmetry", "behaviour.sizes", "behaviour.input"])
 def test_a_code_for_square_pixels_is_shown_square_pixels(family):
-    found = [c(InProcess(Square()), case) for c, case in chosen([family], profile="quick")]
+    found = [c(InProcess(Square()), case) for c, case in select([family], profile="quick")]
     assert {f.verdict for f in found} == {Verdict.PASS}, [(f.id, f.message) for f in found]
     assert inputs.sampling(SEA) is SEA
 
 
 def test_golden_cubes_whose_pixels_are_not_square_are_not_for_it():
-    (finding,) = (c(InProcess(Square()), case) for c, case in chosen(["conformance.extract[nsp-oblong]"]))
+    (finding,) = (c(InProcess(Square()), case) for c, case in select(["conformance.extract[nsp-oblong]"]))
     assert finding.verdict is Verdict.UNSUPPORTED
     assert "square pixels" in finding.message

@@ -9,7 +9,7 @@ import pytest
 
 from leakref import LeakrefError
 from leakref.cases import CASES, Configuration
-from leakref.claims import CLAIMS, EXTRA, Evidence, chosen, command, words
+from leakref.claims import CLAIMS, EXTRA, Evidence, select, command, words
 from leakref.claims.evidence import PLAIN, Setting
 from leakref.claims.stored import by_line, stored_claim, stored_claims
 from leakref.claims.words import Sample
@@ -58,12 +58,12 @@ def test_seas_are_those_of_the_table_to_the_letter():
 @pytest.mark.parametrize("name", ["A99", "B", "", "gamma"])
 def test_unknown_claims_are_refused(name):
     with pytest.raises(LeakrefError, match="no claim is called"):
-        chosen([name])
+        select([name])
 
 
 def test_claims_are_chosen_by_id_or_group():
-    assert [claim.id for claim in chosen(["a4", "P", "A4"])] == ["A4", *(f"P{n}" for n in range(1, 7))]
-    assert len(chosen([])) == len(IDS)
+    assert [claim.id for claim in select(["a4", "P", "A4"])] == ["A4", *(f"P{n}" for n in range(1, 7))]
+    assert len(select([])) == len(IDS)
     with pytest.raises(LeakrefError, match="two or more"):
         Evidence(1)
 

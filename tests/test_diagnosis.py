@@ -12,8 +12,8 @@ from leakref.altered import altered
 from leakref.certify.strength import faults
 from leakref.certify.strength import study
 from leakref.certify.certificate import Certificate
-from leakref.certify.runner import chosen, judged
-from leakref.certify.strength.diagnosis import ENOUGH, departure, diagnose, explained
+from leakref.certify.runner import select, run_checks
+from leakref.certify.strength.diagnosis import ENOUGH, departure, diagnose, explain
 from leakref.certify.strength.faults import FAULTS, implementation
 from leakref.certify.subject.inprocess import InProcess
 from leakref.chain import reference
@@ -35,7 +35,7 @@ def few(monkeypatch):
 def wrong(code, *checks):
     """The findings of a code that fell short, and what it offers."""
     subject = InProcess(code)
-    findings = judged(chosen(checks or SOME, profile="quick"), subject)
+    findings = run_checks(select(checks or SOME, profile="quick"), subject)
     return [f for f in findings if f.verdict in ("fail", "error")], subject.declaration.record(), findings
 
 
@@ -84,7 +84,7 @@ def test_the_fault_of_another_algorithm_is_named_by_what_algorithms_have_in_comm
 def test_of_a_sound_code_it_is_said_that_it_is_another_algorithm(few):
     narrow = altered(FAULTS["narrow-width"].changes).chain.reference
     _, _, findings = wrong(narrow, "recovery.pair", "conformance.extract")
-    found = explained(certificate_of(narrow, findings))
+    found = explain(certificate_of(narrow, findings))
     assert found.grade == "sound"
     assert found.explanation.startswith("another algorithm: it differs from the golden values as no fault of the list "
                                         "does, most in conformance.extract[")
@@ -100,7 +100,7 @@ def test_axes_are_named_in_whose_frame(few):
             return found[:, ::-1]
 
     _, _, findings = wrong(Down(), "signs.aligned")
-    said = explained(certificate_of(Down(), findings)).explanation
+    said = explain(certificate_of(Down(), findings)).explanation
     assert said.endswith("(as leakref has it: axes xyt, y up, direction to; declared are y down)")
 
 
@@ -213,11 +213,11 @@ def stopped_early(finding, noise):
 
 @pytest.fixture(scope="module")
 def certificates():
-    """Of every fault: what it failed of the witnesses of all faults, and what it offers; and the classes of faults."""
-    witnesses = sorted({fault.witness for fault in FAULTS.values()})
+    """Of every fault: what it failed of the killing of all faults, and what it offers; and the classes of faults."""
+    killing = sorted({fault.killing_input for fault in FAULTS.values()})
     found, records = {}, []
     for name in FAULTS:
-        failed, declared, findings = wrong(implementation(name), *witnesses)
+        failed, declared, findings = wrong(implementation(name), *killing)
         found[name] = failed, declared
         records.append({"id": name, "over": {f.id: study._over(f) for f in findings}})
     return found, study.classes(records)

@@ -15,7 +15,7 @@ import pytest
 import yaml
 
 from leakref.certify import scaffold
-from leakref.certify.runner import chosen
+from leakref.certify.runner import select
 from leakref.certify.subject.inprocess import InProcess
 from leakref.certify.verdict import Verdict
 
@@ -59,7 +59,7 @@ def expected(monkeypatch, planted: str) -> dict[str, int]:
 
     monkeypatch.setenv("PLANTED", planted)
     subject = InProcess(wavecode.Code())
-    verdicts = [check(subject, case).verdict for check, case in chosen(FAMILIES, profile="quick")]
+    verdicts = [check(subject, case).verdict for check, case in select(FAMILIES, profile="quick")]
     words = {Verdict.PASS: "passed", Verdict.UNSUPPORTED: "skipped", Verdict.MISSING: "skipped"}
     return dict(Counter(words.get(verdict, "failed") for verdict in verdicts))
 

@@ -1,4 +1,4 @@
-"""Faults: each is what it says, really changes the chain, and shows on its witness."""
+"""Faults: each is what it says, really changes the chain, and shows on its killing input."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ import pytest
 from leakref import LeakrefError
 from leakref.altered import Change
 from leakref.certify.strength import faults
-from leakref.certify.runner import chosen
+from leakref.certify.runner import select
 from leakref.certify.strength.faults import FAULTS, Fault, implementation
 from leakref.certify.subject.inprocess import InProcess
 from leakref.certify.checks.registry import FAMILIES
@@ -33,9 +33,9 @@ def test_the_list_is_long_enough_and_every_entry_is_in_order():
     assert len({fault.words for fault in FAULTS.values()}) == len(FAULTS)
 
 
-def test_every_witness_is_a_finding_that_there_is():
-    ids = {f"{check.id}[{case.id}]" for check, case in chosen()}
-    assert {fault.id: fault.witness for fault in FAULTS.values() if fault.witness not in ids} == {}
+def test_every_killing_input_is_a_finding_that_there_is():
+    ids = {f"{check.id}[{case.id}]" for check, case in select()}
+    assert {fault.id: fault.killing_input for fault in FAULTS.values() if fault.killing_input not in ids} == {}
 
 
 def test_faults_that_golden_vectors_name_are_in_the_list():
@@ -62,19 +62,19 @@ def test_an_unknown_fault_is_refused():
 
 
 @pytest.mark.parametrize("identifier", BRIEF)
-def test_a_fault_exceeds_the_tolerance_of_its_witness_ten_times_and_the_reference_does_not(identifier):
+def test_a_fault_exceeds_the_tolerance_of_its_killing_input_ten_times_and_the_reference_does_not(identifier):
     fault = FAULTS[identifier]
     record = fault_record(fault)
     assert record["killed_by"].startswith(f"{fault.family}.")
     assert record["effect_over_tolerance"] >= DISTINCT
-    (pair,) = [pair for pair in chosen() if f"{pair[0].id}[{pair[1].id}]" == fault.witness]
+    (pair,) = [pair for pair in select() if f"{pair[0].id}[{pair[1].id}]" == fault.killing_input]
     assert _over(pair[0](InProcess(reference), pair[1])) <= 1
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("identifier", [i for i in FAULTS if i not in BRIEF])
 def test_all_the_others_too(identifier):
-    test_a_fault_exceeds_the_tolerance_of_its_witness_ten_times_and_the_reference_does_not(identifier)
+    test_a_fault_exceeds_the_tolerance_of_its_killing_input_ten_times_and_the_reference_does_not(identifier)
 
 
 def test_where_the_chain_has_no_number_a_fault_has_null():

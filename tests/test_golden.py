@@ -90,8 +90,8 @@ def test_the_chain_reproduces(entry):
 
 
 @pytest.mark.parametrize("entry", [p for p in of("vectors", "analytic") if p.id in WITNESSED])
-def test_the_witness_with_40_digits_reproduces(entry):
-    failures = verifying.verify_entry(entry, with_witness=True)
+def test_the_oracle_with_40_digits_reproduces(entry):
+    failures = verifying.verify_entry(entry, with_oracle=True)
     assert not failures, "\n".join(map(str, failures))
 
 
@@ -398,10 +398,10 @@ def test_an_archived_surface_is_read_and_not_made_again(tmp_path):
     vector = next(v for v in VECTORS["vectors"] if v.id == "extract-cube-ls")
     e = Golden().entry(vector.id)
     for moved, is_read in ((0.5, True), (2.0, False)):
-        surface = (np.array(vector.input["surface"]) + moved * same.archived_room(vector)).tolist()
+        surface = (np.array(vector.input["surface"]) + moved * same.archived_tolerance(vector)).tolist()
         found = same.given(replace(vector, input={**vector.input, "surface": surface}), e)["surface"]
         assert (found is e.input["surface"]) == is_read
-    assert same.archived_room(vector) < 1e-11
+    assert same.archived_tolerance(vector) < 1e-11
 
 
 def test_inputs_that_are_others_are_proposed(some_vectors, monkeypatch):

@@ -74,7 +74,7 @@ def test_certify_holds_it_to_its_own_reference(registered):
     cube = inputs.sea(70.0, 60.0, grid=inputs.SEA)
     assert is_fixed(criteria.expected(cube, "hann", "fixed").velocities)
     own = np.hypot(*(criteria.expected(cube, "hann", "fixed").velocities - cube.truth).T)
-    np.testing.assert_array_equal(criteria.room(cube, "hann", "fixed"), cube.resolutions[1] + 2 * own)
+    np.testing.assert_array_equal(criteria.tolerance(cube, "hann", "fixed"), cube.resolutions[1] + 2 * own)
 
     class Code:
         def describe(self):

@@ -12,9 +12,9 @@ from pathlib import Path
 import pytest
 from tools import iwave_python, requires
 
-from leakref.certify.runner import chosen
+from leakref.certify.runner import select
 from leakref.certify.targets import connect
-from leakref.certify.strength.diagnosis import explained
+from leakref.certify.strength.diagnosis import explain
 from leakref.certify.runner import certify
 
 HERE = Path(__file__).parent / "real_codes"
@@ -24,7 +24,7 @@ SOME = ("signs.sea[to-22.5]", "signs.aligned[to-112.5]", "recovery.pair[odd-1]",
 
 def certificate(command, *checks):
     """Of the quick profile, or of `checks` alone."""
-    pairs = chosen(checks, profile="quick")
+    pairs = select(checks, profile="quick")
     return certify("code", [connect(command=list(map(str, command)))], pairs, profile="quick")
 
 
@@ -80,7 +80,7 @@ def test_so_it_is_in_the_whole_profile(name, tmp_path):
     ("nsp.cpp", "Wave wave{kx, -down,", "Wave wave{kx, down,", "flipped-y"),
     ("nsp.cpp", 'pi / (nt * number(line, "dt"))', 'pi / ((nt - 1) * number(line, "dt"))', "duration-short")])
 def test_a_mistake_in_it_is_named(name, old, new, fault, tmp_path):
-    found = explained(certificate(CODES[name](changed(name, old, new), tmp_path), "signs.aligned", "recovery.pair"))
+    found = explain(certificate(CODES[name](changed(name, old, new), tmp_path), "signs.aligned", "recovery.pair"))
     assert found.grade == "rejected"
     assert fault in [one["fault"] for one in found.diagnosis]
 

@@ -11,7 +11,7 @@ import pytest
 
 from leakref.certify.bias import SEAS, bias, figure
 from leakref.certify.certificate import Certificate, Known
-from leakref.certify.runner import chosen
+from leakref.certify.runner import select
 from leakref.certify.subject.inprocess import InProcess
 from leakref.certify.report import badge, page
 from leakref.certify.verdict import Finding, Verdict
@@ -39,7 +39,7 @@ class Elements(HTMLParser):
 
 
 def certificate(**more) -> Certificate:
-    names = [f"{c.id}[{case.id}]" for c, case in chosen(["signs", "shear"])]
+    names = [f"{c.id}[{case.id}]" for c, case in select(["signs", "shear"])]
     findings = [Finding(name, name.partition(".")[0], Verdict.FAIL, HOSTILE, 3.5, 12.0, HOSTILE, "eq:SJ",
                         {"nsp": ARROWS} if n else ARROWS) for n, name in enumerate(names)]
     known = {names[0]: Known(names[0], HOSTILE, HOSTILE)}
@@ -61,7 +61,7 @@ def test_hostile_words_are_text_and_nothing_comes_from_elsewhere():
 def test_every_finding_is_there_with_its_reason_and_a_picture():
     found = certificate()
     text = page(found)
-    checks = {f"{c.id}[{case.id}]": c for c, case in chosen()}
+    checks = {f"{c.id}[{case.id}]": c for c, case in select()}
     for finding in found.findings:
         assert finding.id in text
         assert checks[finding.id].tolerance.split(",")[0][:30].replace("'", "&#39;") in text

@@ -14,7 +14,7 @@ from leakref.cases import configurations
 from leakref.cli.base import app
 from leakref.dispersion import velocity_resolutions
 from leakref.cubes.screen import (FINE, LEAKAGE, LEAKED_SHARE, NO_SIGNAL, leaked_share, rotate, screen,
-                                  shells_with_signal, turned)
+                                  shells_with_signal, turn)
 
 NARROW, BROAD = "theta0-dtheta/direction=60,spread=15", "theta0-dtheta/direction=90,spread=60"
 SMALL = (Grid((40, 44, 48), (0.8, 0.75, 1.3)), Grid((45, 52, 60), (0.95, 0.8, 0.9)), Grid((63, 50, 44), (0.6, 0.75, 1)))
@@ -232,7 +232,7 @@ def test_velocities_are_turned_back():
     surface = synthesize(waves, *(grid.samples(axis) for axis in range(3)))
     k = np.array([0.2, 1.6, 2.0, 5.9])
     seen, smaller = rotate(surface, grid, 30)
-    found = turned([fourier(seen, smaller, window) for window in ("box", "hann")], k, 30)
+    found = turn([fourier(seen, smaller, window) for window in ("box", "hann")], k, 30)
     assert np.isnan(found.tapered[[0, 3]]).all()  # no whole shell there
     off = np.hypot(*(found.tapered - current).T)[1:3]
     assert np.all(off < found.resolution[1:3])
@@ -260,7 +260,7 @@ def test_a_disagreement_after_the_turn_alone_is_leakage():
     k = np.array([1.0, 1.5])
     plain = screen(*spectra, k)
     assert plain.verdicts == (FINE, FINE)
-    away = turned(spectra, k, 0.0)
+    away = turn(spectra, k, 0.0)
     assert screen(*spectra, k, rotated=away).verdicts == (FINE, FINE)
     away.untapered[1] += 1.01 * away.resolution[1]
     assert screen(*spectra, k, rotated=away).verdicts == (FINE, LEAKAGE)

@@ -130,13 +130,13 @@ def test_reach_follows_definitions_and_not_annotations(small):
     assert sources.reach("small.entry", small) == {"small.entry", "small.lazy", "small.deep", "small.late"}
 
 
-def test_compiled_rooms_are_shared_unless_a_change_reaches_them():
+def test_compiled_modules_are_shared_unless_a_change_reaches_them():
     compiled = altered._compiled()
     assert set(compiled) == {"fast.spectra", "fast.score"}
     assert compiled["fast.score"] == {"fast.score"}
     assert compiled["fast.spectra"] >= {"fast.spectra", "leakage", "spectrum", "window"}
     assert not compiled["fast.spectra"] & {"sea", "cases", "nsp"}
-    assert {f"leakref.{name}" for name in altered._rooms("fast", "cases")} == CHAIN - {
+    assert {f"leakref.{name}" for name in altered._alterable("fast", "cases")} == CHAIN - {
         "leakref", "leakref._base", "leakref.ensemble"}
 
 

@@ -11,7 +11,7 @@ from leakref.altered import Change
 from leakref.certify.checks import inputs
 from leakref.certify.strength import faults
 from leakref.certify.strength import alarms, study
-from leakref.certify.runner import chosen
+from leakref.certify.runner import select
 from leakref.certify.strength.faults import FAULTS, Fault
 from leakref.certify.subject.inprocess import InProcess
 from leakref.certify.checks.registry import CHECKS, FAMILIES
@@ -33,12 +33,12 @@ def few(monkeypatch):
 
 def test_a_fault_that_changes_nothing_is_reported_as_surviving(monkeypatch):
     idle = Fault("idle", "nsp", "synthesis", "nothing is wrong", (Change("nsp", "_FEW = 8", "_FEW = 9"),),
-                 witness=FAULTS["two-thirds-energy"].witness)
+                 witness=FAULTS["two-thirds-energy"].killing_input)
     monkeypatch.setitem(FAULTS, "idle", idle)
     record = fault_record(idle)
     assert record["killed_by"] is None
     assert record["effect_over_tolerance"] <= 1
-    assert set(record["over"]) == {f"{c.id}[{case.id}]" for c, case in chosen(["synthesis"])}
+    assert set(record["over"]) == {f"{c.id}[{case.id}]" for c, case in select(["synthesis"])}
     monkeypatch.setattr(study, "jobs", lambda *, full=False: [Job("fault", "idle")])
     found = study.study()
     assert [r["killed_by"] for r in found["faults"]] == [None]
@@ -47,7 +47,7 @@ def test_a_fault_that_changes_nothing_is_reported_as_surviving(monkeypatch):
 
 def test_a_wrong_code_among_the_variants_is_reported_as_rejected(monkeypatch):
     monkeypatch.setattr(study, "jobs", lambda *, full=False: [Job("variant", "si")])
-    monkeypatch.setattr(study, "chosen", lambda **of: chosen(["signs", "recovery.pair"], **of))
+    monkeypatch.setattr(study, "chosen", lambda **of: select(["signs", "recovery.pair"], **of))
     wrong = lambda identifier: faults.implementation("flipped-x")  # noqa: E731
     record = study.variant_record("si", make=wrong)
     assert {name.partition(".")[0] for name in record["wrong"]} >= {"signs", "recovery"}
@@ -71,7 +71,7 @@ def test_too_small_an_effect_and_a_sound_fault_rejected_are_problems():
 @pytest.mark.parametrize("family", FAMILIES)
 def test_a_family_switched_off_lets_the_faults_meant_for_it_live(family, monkeypatch):
     fault = next(fault for fault in FAULTS.values() if fault.family == family)
-    monkeypatch.setattr(study, "chosen", lambda **of: [p for p in chosen(**of) if p[0].family != family])
+    monkeypatch.setattr(study, "chosen", lambda **of: [p for p in select(**of) if p[0].family != family])
     record = fault_record(fault)
     assert record["killed_by"] is None
     said = problems({"faults": [{**record, "kills": study._kills(record)}], "variants": []})
@@ -138,7 +138,7 @@ def test_fresh_water_is_other_water_and_goes_away_again():
 
 @pytest.mark.parametrize("family", study._SEEN)
 def test_every_family_that_looks_at_seas_sees_fresh_ones(family):
-    check, case = chosen([family], profile="quick")[0]
+    check, case = select([family], profile="quick")[0]
     usual = check(InProcess(reference), case)
     with fresh(5):
         other = check(InProcess(reference), case)
@@ -167,7 +167,7 @@ def test_the_null_resampling_uses_the_statistic_of_the_check():
 
 
 def test_false_alarms_of_well_behaved_errors_are_at_their_nominal_rate_at_most():
-    chosen()
+    select()
     rng = np.random.default_rng(4)
     names = alarms.seas()
     errors = {name: {"nsp": 0.05 + 0.01 * rng.standard_normal(100), "ls": 0.08 + 0.02 * rng.standard_normal(100),
@@ -193,7 +193,7 @@ def test_the_committed_result_is_of_this_list_and_holds():
     assert record["full"]
     assert record["problems"] == []
     assert {r["id"]: (r["family"], r["witness"]) for r in record["faults"]} == {
-        name: (fault.family, fault.witness) for name, fault in FAULTS.items()}
+        name: (fault.family, fault.killing_input) for name, fault in FAULTS.items()}
     assert all(r["killed_by"].partition(".")[0] == r["family"] for r in record["faults"])
     assert min(r["effect_over_tolerance"] for r in record["faults"]) >= study.DISTINCT
     assert {v["id"]: v["rejected"] for v in record["variants"]} == dict.fromkeys(VARIANTS, 0)

@@ -17,7 +17,7 @@ from leakref._base import FloatArray
 from leakref.certify.checks import inputs
 from leakref.certify.checks.inputs import Cube, polar
 from leakref.certify.checks.criteria import expected
-from leakref.certify.checks.criteria import taper
+from leakref.certify.checks.criteria import tapered
 from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Unanswered
 from leakref.dispersion import UniformCurrent
@@ -121,7 +121,7 @@ def bias(subject: Subject, seas: Sequence[Sea] = tuple(SEAS.values()), *, realiz
     """
     method, found = subject.declaration.methods[0], []
     try:
-        window = taper(subject)
+        window = tapered(subject)
     except Unanswered:
         window = subject.declaration.windows[0]
     for sea in seas:

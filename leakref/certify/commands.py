@@ -17,9 +17,9 @@ from rich.table import Table
 from leakref._base import LeakrefError
 from leakref._output import console, dump, folder, progress_bar, write_whole
 from leakref.certify.certificate import REJECTED, SOUND, Certificate, junit, read_known, schema
-from leakref.certify.runner import chosen
+from leakref.certify.runner import select
 from leakref.certify.targets import HarnessBroken, Limits, connect
-from leakref.certify.strength.diagnosis import explained
+from leakref.certify.strength.diagnosis import explain
 from leakref.certify.runner import certify
 from leakref.certify.subject.protocol import ProcessSubject
 from leakref.certify.verdict import WRONG, Finding, Verdict
@@ -54,7 +54,7 @@ class Request:
 
 def show_list(profile: str, only: Sequence[str], *, json: bool) -> int:
     """Print the ids of all findings there can be."""
-    ids = [f"{check.id}[{case.id}]" for check, case in chosen(only, profile=profile)]
+    ids = [f"{check.id}[{case.id}]" for check, case in select(only, profile=profile)]
     print(dump({"schema": "leakref/certify/1", "ok": bool(ids), "ids": ids}) if json else "\n".join(ids))
     return 0 if ids else 3
 
@@ -77,7 +77,7 @@ def run(request: Request, *, json: bool = False) -> int:
     known = read_known(request.known) if request.known else {}
     if request.report:
         folder(request.report)
-    checks = chosen(request.only, profile=request.profile, golden=request.golden)
+    checks = select(request.only, profile=request.profile, golden=request.golden)
     if not checks:
         console().print(f"[red]Nothing to run:[/] no check of the {request.profile} profile matches "
                         f"{', '.join(map(escape, request.only))}.")
@@ -109,7 +109,7 @@ def run(request: Request, *, json: bool = False) -> int:
     try:
         if found.wrong:
             with progress_bar("faults compared with what fell short", None) as step:
-                found = explained(found, deep=request.deep, after_each=step)
+                found = explain(found, deep=request.deep, after_each=step)
         if request.profile == "full" and found.grade is not None and not request.only:
             found, pictures = _biased(found, connect(request.target, command, limits=limits))
     except KeyboardInterrupt:  # what has been found is not lost
@@ -183,7 +183,7 @@ def _write_text(text: str, path: Path) -> None:
 def _print(found: Certificate, written: Sequence[Path], only: Sequence[str]) -> None:
     show = Console()
     show.print(_summary(found))
-    reasons = {c.id: c.reason for c, _ in chosen()}
+    reasons = {c.id: c.reason for c, _ in select()}
     colour = "yellow" if found.grade == SOUND else "red"  # it only differs
     told = set()
     for finding in found.wrong[:_SHOWN]:

@@ -11,7 +11,7 @@ import pytest
 
 from leakref._base import LeakrefError
 from leakref.certify.certificate import Known, read_known
-from leakref.certify.runner import chosen
+from leakref.certify.runner import select
 from leakref.certify.subject.inprocess import InProcess
 from leakref.certify.checks.registry import Case, Check
 from leakref.certify.subject.frames import Subject
@@ -47,7 +47,7 @@ def parametrize_with_checks(implementation: Any, *, profile: str = "quick", only
     if profile not in ("quick", "full"):
         raise LeakrefError("parametrize_with_checks", f"no profile is called {profile!r}", "choose quick or full")
     accepted = read_known(known) if isinstance(known, Path) else _known(known or {})
-    ids = {identifier for check, _ in chosen() for identifier, _ in check.ids()}
+    ids = {identifier for check, _ in select() for identifier, _ in check.ids()}
     if unknown := sorted(set(accepted) - ids):
         raise LeakrefError("parametrize_with_checks", f"the known failure {unknown[0]!r} is none of the {len(ids)} "
                            "there are", "correct the id; `leakref certify --list` prints all")
@@ -59,7 +59,7 @@ def parametrize_with_checks(implementation: Any, *, profile: str = "quick", only
     return pytest.mark.parametrize("check", [
         pytest.param(_bound(check, case, subject), id=f"{check.id}[{case.id}]",
                      marks=_marks(accepted.get(f"{check.id}[{case.id}]")))
-        for check, case in chosen(only, profile=profile)])
+        for check, case in select(only, profile=profile)])
 
 
 def _made(implementation: Any) -> Any:

@@ -12,7 +12,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from leakref import __version__
 from leakref._base import FloatArray
 from leakref.certify.certificate import Certificate
-from leakref.certify.runner import chosen
+from leakref.certify.runner import select
 from leakref.certify.checks.registry import FAMILIES, Check
 from leakref.certify.verdict import Finding, Verdict
 
@@ -40,7 +40,7 @@ def sentence(certificate: Certificate) -> str:
 
 def page(certificate: Certificate, pictures: Sequence[Mapping[str, str]] = ()) -> str:
     """One self-contained page of HTML, readable without scripts. `pictures`: title, words, and data, PNG in base64."""
-    known = {f"{c.id}[{case.id}]": c for c, case in chosen()}
+    known = {f"{c.id}[{case.id}]": c for c, case in select()}
     grade = certificate.grade or "not judged"
     first = {f.id.partition("[")[0]: f for f in reversed(certificate.wrong)}  # of each check: these are opened
     rows = [(family, [_row(f, known.get(f.id), f in first.values()) for f in certificate.findings

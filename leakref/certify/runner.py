@@ -18,7 +18,7 @@ from leakref.certify.checks.registry import FAMILIES, Case, Check
 from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Finding, Verdict
 
-__all__ = ["certify", "chosen", "judged", "run_check"]
+__all__ = ["certify", "run_check", "run_checks", "select"]
 
 Pair = tuple[Check, Case]
 
@@ -39,7 +39,7 @@ def certify(
     the checks, whichever session made them. Raises LeakrefError for a known failure that is no check's id.
     """
     known = dict(known or {})
-    ids = {identifier for check, _ in chosen(golden=golden) for identifier, _ in check.ids()}
+    ids = {identifier for check, _ in select(golden=golden) for identifier, _ in check.ids()}
     if unknown := sorted(set(known) - ids):
         raise LeakrefError(
             "certify",
@@ -54,7 +54,7 @@ def certify(
 
     def work(subject: Subject) -> None:
         for number in _taken(waiting):
-            (found[number],) = judged([checks[number]], subject, after_each)
+            (found[number],) = run_checks([checks[number]], subject, after_each)
 
     opened: list[Subject] = []
 
@@ -109,7 +109,7 @@ def _taken(waiting: SimpleQueue[int]) -> Iterator[int]:
             return
 
 
-def chosen(patterns: Sequence[str] = (), *, profile: str = "full", golden: int = 1) -> list[tuple[Check, Case]]:
+def select(patterns: Sequence[str] = (), *, profile: str = "full", golden: int = 1) -> list[tuple[Check, Case]]:
     """Checks and cases whose id, check or family matches one of the patterns (default: all) in a profile.
 
     Conformance is to golden set number `golden`. Raises LeakrefError for a pattern that matches nothing in any profile.
@@ -145,11 +145,11 @@ def chosen(patterns: Sequence[str] = (), *, profile: str = "full", golden: int =
 
 def run_check(identifier: str, subject: Subject) -> Finding:
     """One check on one case by the id of its finding."""
-    ((c, case),) = chosen([identifier])
+    ((c, case),) = select([identifier])
     return c(subject, case)
 
 
-def judged(
+def run_checks(
     pairs: Sequence[tuple[Check, Case]],
     subject: Subject,
     after_each: Callable[[Finding], object] = lambda finding: None,

@@ -19,7 +19,7 @@ import numpy as np
 from leakref._base import LeakrefError
 from leakref._output import plain
 from leakref.certify import targets
-from leakref.certify.subject.inprocess import call, described, offered
+from leakref.certify.subject.inprocess import call, describe, offer
 from leakref.certify.verdict import Unanswered, Verdict
 
 __all__ = ["answer", "main", "ready"]
@@ -63,9 +63,9 @@ def ready(target: str) -> tuple[dict[str, Any], Calls]:
     """What is said at the start, `ready` or `failed` with a fault and a remedy, and the stages that are offered."""
     try:
         implementation = targets.load(target)
-        calls = offered(implementation)
+        calls = offer(implementation)
         given = dict(implementation.describe()) if hasattr(implementation, "describe") else {}
-        declaration = described(given, calls, target)
+        declaration = describe(given, calls, target)
         said = plain({"op": "ready", "protocol": 1, **declaration.record(), "format": "npz"})
         json.dumps(said)
     except LeakrefError as error:

@@ -11,9 +11,9 @@ from leakref.claims import currents, directions, general, methods, peakedness, r
 from leakref.claims.configurations import EXTRA
 from leakref.claims.evidence import Evidence
 from leakref.claims.registry import CLAIMS as _CLAIMS
-from leakref.claims.registry import Claim, Finding, chosen, position
+from leakref.claims.registry import Claim, Finding, position, select
 
-__all__ = ["CLAIMS", "EXTRA", "Claim", "Evidence", "Finding", "chosen"]
+__all__ = ["CLAIMS", "EXTRA", "Claim", "Evidence", "Finding", "select"]
 
 CLAIMS: dict[str, Claim] = {id: _CLAIMS[id] for id in sorted(_CLAIMS, key=position)}
 """Every claim by its id, in the order of the paper's list."""

@@ -12,7 +12,7 @@ from rich.table import Table
 from leakref import runs
 from leakref._output import console, dump, envelope, folder, progress_bar
 from leakref.claims.evidence import Evidence
-from leakref.claims.registry import DEPENDS, NOT_REPRODUCED, REPRODUCED, Finding, chosen
+from leakref.claims.registry import DEPENDS, NOT_REPRODUCED, REPRODUCED, Finding, select
 from leakref.claims.stored import write
 
 __all__ = ["evaluate", "run", "table"]
@@ -23,7 +23,7 @@ _COLOURS = {REPRODUCED: "green", NOT_REPRODUCED: "red", DEPENDS: "yellow"}
 def evaluate(ids: Sequence[str] = (), *, realizations: int = 100, place: Path | None = None,
              workers: int = 1) -> list[Finding]:
     """The claims named (default: all), on ensembles kept in `place` and shared with `leakref reproduce --out`."""
-    claims = chosen(ids)
+    claims = select(ids)
     with progress_bar("claims", len(claims)) as step, runs.pool(workers) as executor:
         evidence = Evidence(realizations, place and folder(place) / "parts", executor)
         findings = []

@@ -9,7 +9,7 @@ from itertools import product
 from leakref.cases import CASES, Configuration
 
 __all__ = ["CLEAR_OF_PEAK", "CURRENTS", "DIRECTIONS", "EXTRA", "GAMMAS", "LENGTHS", "ROTATIONS", "SPEEDS", "SPREADS",
-           "WIDER", "current", "domain", "narrow_domain", "peaked", "sea", "turned"]
+           "WIDER", "current", "domain", "narrow_domain", "peaked", "sea", "turn"]
 
 DIRECTIONS, SPREADS, WIDER = (60.0, 75.0, 90.0), (15.0, 30.0, 45.0, 60.0), (75.0, 90.0, 120.0)
 GAMMAS = (1.0, 3.3, 7.0)
@@ -56,7 +56,7 @@ def current(speed: float, direction: float = 0.0, rotation: float = 0.0) -> Conf
                           speed=speed, current_direction=direction if speed else 0, rotation=rotation)
 
 
-def turned(rotation: float, currents: Iterable[float] = CURRENTS.values()) -> Iterator[Configuration]:
+def turn(rotation: float, currents: Iterable[float] = CURRENTS.values()) -> Iterator[Configuration]:
     """All of case-U that run, at one angle of rotation."""
     return (current(speed, direction, rotation) for speed, direction in product(SPEEDS, currents))
 
@@ -73,7 +73,7 @@ EXTRA: dict[str, tuple[Configuration, ...]] = {
                       CLEAR_OF_PEAK, replace(CLEAR_OF_PEAK, direction=90.0)),
     "gamma": tuple(peaked(spread, 3.3, length) for length, spread in product((5.0, 20.0), (45.0, 60.0))),
     "L-T": (*(domain(length, 5.0) for length in LENGTHS), domain(5.0, 40.0)),
-    "U": (*turned(15.0), *turned(45.0), *turned(-30.0, (0.0,))),
+    "U": (*turn(15.0), *turn(45.0), *turn(-30.0, (0.0,))),
 }
 """What the claims need beside `cases.CASES`: theta0 = 45, spreads above 60, seas turned, T = 5, ..."""
 

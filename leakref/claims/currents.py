@@ -8,7 +8,7 @@ from itertools import product
 import numpy as np
 
 from leakref._base import FloatArray
-from leakref.claims.configurations import CURRENTS, SPEEDS, current, turned
+from leakref.claims.configurations import CURRENTS, SPEEDS, current, turn
 from leakref.claims.evidence import Evidence
 from leakref.claims.registry import claim
 from leakref.claims.words import (ABOVE, ALL, BELOW, MEASURES, NEAR, RESOLUTIONS, WINDOWS, Band, Reading, Sample, Tally,
@@ -54,7 +54,7 @@ _ANGLES = {"mean vector": _mean_angle, "each DSV": _angles}
 def _(see: Evidence) -> Iterator[Reading]:
     for window in WINDOWS:
         vector, size = [], []
-        for one in turned(0.0):
+        for one in turn(0.0):
             e = see(one, window)
             waves = along(e, 90)
             off = Sample(waves.k, waves.values - one.current[1])
@@ -72,7 +72,7 @@ def _(see: Evidence) -> Iterator[Reading]:
 def _(see: Evidence) -> Iterator[Reading]:
     for (measure, of), window in product(MEASURES.items(), WINDOWS):
         still = see(current(0.0), window)
-        differences = [of(see(one, window)) - bias(still) for one in turned(0.0)]
+        differences = [of(see(one, window)) - bias(still) for one in turn(0.0)]
         for words, same in (("within 10 %", [within(d, 0.1 * still.bias) for d in differences]),
                             ("not significantly different", [alike(d, smaller(still)) for d in differences])):
             yield from either({"error": measure, "same": words, "window": window}, same=pooled(*same))
@@ -97,7 +97,7 @@ def _(see: Evidence) -> Iterator[Reading]:
 def _(see: Evidence) -> Iterator[Reading]:
     for (measure, size), (words, angle) in product(MEASURES.items(), _ANGLES.items()):
         sizes, angles = [], []
-        for one in turned(0.0, _ALIGNED):
+        for one in turn(0.0, _ALIGNED):
             box, hann = (see(one, window) for window in WINDOWS)
             gain = size(box) - size(hann)
             sizes.append(above(gain, 0.1 * smaller(box)))
@@ -183,7 +183,7 @@ def _length(e: Ensemble) -> np.ndarray:
        "Rotated by 30 deg against the same sea not rotated, paired: mean of |c|, mean of |c - U|, or both components "
        "of the mean vector turned back; not significantly different, or closer than the smaller resolution.")
 def _(see: Evidence) -> Iterator[Reading]:
-    pairs = [(see(current(one.speed, one.current_direction, 30.0), "hann"), see(one, "hann")) for one in turned(0.0)]
+    pairs = [(see(current(one.speed, one.current_direction, 30.0), "hann"), see(one, "hann")) for one in turn(0.0)]
     differences = {"mean of |c|": [bias(a) - bias(b) for a, b in pairs],
                    "mean of |c - U|": [missed(a) - missed(b) for a, b in pairs],
                    "mean vector": [of(a, _heading(a)) - of(b, _heading(b)) for a, b in pairs for of in (along, across)]}
@@ -199,7 +199,7 @@ def _(see: Evidence) -> Iterator[Reading]:
 def _(see: Evidence) -> Iterator[Reading]:
     for (measure, of), window in product({"mean of |c|": bias, "mean of |c - U|": missed}.items(), WINDOWS):
         pairs = [(of(see(one, window)), of(see(current(one.speed, one.current_direction, 30.0), window)))
-                 for angle in (15.0, 45.0) for one in turned(angle)]
+                 for angle in (15.0, 45.0) for one in turn(angle)]
         limit = smaller(see(current(0.0), window))
         for words, same in (("within 10 %", [within(a - b, 0.1 * b.mean) for a, b in pairs]),
                             ("not significantly different", [alike(a - b, limit) for a, b in pairs])):
@@ -213,7 +213,7 @@ def _(see: Evidence) -> Iterator[Reading]:
        "rotated; untapered and Hann.")
 def _(see: Evidence) -> Iterator[Reading]:
     for (measure, of), (resolution, choose), window in product(MEASURES.items(), RESOLUTIONS.items(), WINDOWS):
-        ensembles = [see(one, window) for one in turned(0.0)]
+        ensembles = [see(one, window) for one in turn(0.0)]
         crossing = [see(current(speed, _CROSSING), window) for speed in SPEEDS]
         yield from most({"error": measure, "resolution": resolution, "window": window},
                         sub_resolution=pooled(*(below(of(e), choose(*e.resolutions)) for e in ensembles)),

@@ -10,7 +10,7 @@ from leakref._base import LeakrefError
 from leakref.claims.evidence import Evidence
 from leakref.claims.words import Reading
 
-__all__ = ["CLAIMS", "Claim", "Finding", "chosen", "claim", "position"]
+__all__ = ["CLAIMS", "Claim", "Finding", "claim", "position", "select"]
 
 REPRODUCED, NOT_REPRODUCED, DEPENDS = "reproduced", "not reproduced", "depends on"
 Predicate = Callable[[Evidence], Iterable[Reading]]
@@ -85,7 +85,7 @@ def position(id: str) -> tuple[int, int]:
     return "WNAPRUG".index(id[0]), int(id[1:])
 
 
-def chosen(ids: Sequence[str]) -> list[Claim]:
+def select(ids: Sequence[str]) -> list[Claim]:
     """The claims named, one by one or by the letter of their group; all in order if none is. Raises LeakrefError."""
     found: dict[str, Claim] = {}
     for name in ids or sorted(CLAIMS, key=position):

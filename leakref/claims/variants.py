@@ -49,7 +49,7 @@ class Variant:
 
     @cached_property
     def chain(self) -> Any:
-        """The chain so altered, compiled rooms and cases included (`altered.altered`)."""
+        """The chain so altered, compiled modules and cases included (`altered.altered`)."""
         return altered((*self.changes, *self.fast), fast=True)
 
     def acts_on(self, configuration: Configuration) -> tuple[str, ...]:
@@ -63,11 +63,11 @@ class Variant:
     @property
     def leaves_spectra(self) -> bool:
         """The spectra are those of the reference: only what is made of them differs."""
-        return not _SPECTRA & {change.room for change in (*self.changes, *self.fast)}
+        return not _SPECTRA & {change.module for change in (*self.changes, *self.fast)}
 
 
-def _one(room: str, old: str, new: str) -> tuple[Change, ...]:
-    return (Change(room, old, new),)
+def _one(module: str, old: str, new: str) -> tuple[Change, ...]:
+    return (Change(module, old, new),)
 
 
 def _simplex(options: str) -> tuple[tuple[Change, ...], tuple[Change, ...]]:

@@ -187,7 +187,7 @@ def _measure(
     if angle is not None:
         flat = np.asarray(surface) if detrend == "none" else surface - blocks.plane(removed, grid.shape)
         turned, smaller = screen.rotate(flat, grid, angle)
-        rotated = screen.turned(
+        rotated = screen.turn(
             [fourier(turned, smaller, name) for name in ("box", taper)], k, angle, gravity=cube.gravity, method=method
         )
         notes.append(

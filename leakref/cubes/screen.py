@@ -30,7 +30,7 @@ __all__ = [
     "rotate",
     "screen",
     "shells_with_signal",
-    "turned",
+    "turn",
 ]
 
 FINE, LEAKAGE, NO_SIGNAL = "fine", "leakage", "no signal"
@@ -178,7 +178,7 @@ def rotate(surface: Any, grid: Grid, angle: float) -> tuple[FloatArray, Grid]:
     return result, Grid((n, n, nt), (d, d, dt))
 
 
-def turned(
+def turn(
     spectra: Sequence[Spectrum], wavenumbers: FloatArray, angle: float, *, gravity: float = 1.0, method: str = "nsp"
 ) -> Turned:
     """The velocities from the (untapered, tapered) spectra of a cube rotated by `angle`, turned back."""

@@ -27,12 +27,12 @@ from leakref.shell import Extraction, Note
 from leakref.spectrum import Spectrum, fourier
 from leakref.synthesis import synthesize
 
-__all__ = ["certified", "closed_form", "described", "inherit", "make", "statistics_of"]
+__all__ = ["certified", "closed_form", "describe", "inherit", "make", "statistics_of"]
 
 Step = Callable[[], object]
 
 
-def described(c: Configuration) -> dict[str, Any]:
+def describe(c: Configuration) -> dict[str, Any]:
     """A configuration in words of JSON: enough to make it without this package's table of cases."""
     return {
         "configuration": c.id,
@@ -138,7 +138,7 @@ def _realization(c: Configuration, number: int) -> dict[str, Any]:
     )
     given = {name: said for name, said in reasons.items() if any(said)}
     extra = {"notes": notes, **({"reasons": given} if given else {})}
-    return entry_record(head, {**described(c), "realization": number}, {"A": a, "B": b}, "A", conditioning, extra)
+    return entry_record(head, {**describe(c), "realization": number}, {"A": a, "B": b}, "A", conditioning, extra)
 
 
 _DSV_FAULTS = (
@@ -194,7 +194,7 @@ def _ensembles(
             "resolution_wavenumber": wavenumber.tolist(),
             "flagged": {n: e.noted(note).tolist() for note in Note for n in note.names if e.noted(note).any()},
         }
-        given = {**described(c), "window": e.window, "method": e.method, "realizations": len(e.velocities)}
+        given = {**describe(c), "window": e.window, "method": e.method, "realizations": len(e.velocities)}
         records.append(entry_record(head, given, {"B": statistics_of(e)}, "B", conditioning, extra))
     return records
 

@@ -1,4 +1,6 @@
-"""The third witness: the paper's formulas with 40 digits, sums term by term; it shares only the paper with the chain.
+"""The high-precision oracle: the paper's formulas with 40 digits, sums term by term.
+
+It shares only the paper with the chain.
 
 Slow, and for small inputs only. Everything here takes and returns mpmath numbers in nested lists; floats that come in
 count as exact. The constants are written out here a second time on purpose.
@@ -22,7 +24,7 @@ Number = Any  # mpf or mpc
 
 
 def at_digits(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Run `function` with the digits of this witness."""
+    """Run `function` with its digits."""
 
     @wraps(function)
     def run(*args: Any, **kwargs: Any) -> Any:

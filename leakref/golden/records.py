@@ -124,12 +124,12 @@ def head_of(
 
 
 def vector_record(vector: Vector, before: Entry | None = None) -> dict[str, Any]:
-    """The record of a vector, by every route and the witness; `before` is what the set has of it."""
+    """The record of a vector, by every route and the high-precision oracle; `before` is what the set has of it."""
     stage, put_in = STAGES[vector.stage], given(vector, before)
     found = {route: compute(put_in) for route, compute in stage.routes.items()}
     first = next(iter(found))
-    if stage.witness is not None:
-        found["mpmath"] = oracle.at_digits(stage.witness)(put_in, found[first])
+    if stage.oracle is not None:
+        found["mpmath"] = oracle.at_digits(stage.oracle)(put_in, found[first])
     rounded = {route: plain(outputs) for route, outputs in found.items()}
     conditioning = stage.conditioning(put_in, {n: v for n, v in rounded[first].items() if n != "notes"})
     head = head_of(
@@ -142,4 +142,4 @@ def vector_record(vector: Vector, before: Entry | None = None) -> dict[str, Any]
         vector.decisions,
         vector.supersedes,
     )
-    return entry_record(head, put_in, rounded, "mpmath" if stage.witness is not None else first, conditioning)
+    return entry_record(head, put_in, rounded, "mpmath" if stage.oracle is not None else first, conditioning)

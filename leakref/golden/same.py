@@ -16,7 +16,7 @@ from leakref.golden.stages import STAGES
 from leakref.golden.vectors import VECTORS, Vector
 from leakref.grid import Grid
 
-__all__ = ["agree", "alike", "archived_room", "given"]
+__all__ = ["agree", "alike", "archived_tolerance", "given"]
 
 _HALF = EPSILON**0.5
 """A conditioning is known to first order, in parts by differences: half of its digits are what it is compared to."""
@@ -36,12 +36,12 @@ def alike(a: Any, b: Any, allowed: Any = None) -> bool:
             map(partial(alike, allowed=allowed), a, b))
     if one.shape != other.shape:
         return False
-    room = tolerance(1.0) * np.maximum(np.abs(one), np.abs(other)) if allowed is None else allowed
+    tolerated = tolerance(1.0) * np.maximum(np.abs(one), np.abs(other)) if allowed is None else allowed
     with np.errstate(invalid="ignore"):
-        return bool(((np.abs(one - other) <= room) | (np.isnan(one) & np.isnan(other))).all())
+        return bool(((np.abs(one - other) <= tolerated) | (np.isnan(one) & np.isnan(other))).all())
 
 
-def archived_room(vector: Vector) -> float:
+def archived_tolerance(vector: Vector) -> float:
     """By how much an archived surface may differ where it is made again: the tolerance of a golden surface."""
     grid = Grid(tuple(vector.input["shape"]), tuple(vector.input["spacing"]))
     axes = {name: grid.samples(axis) for axis, name in enumerate("xyt")}
@@ -56,8 +56,8 @@ def given(vector: Vector, before: Entry | None) -> dict[str, Any]:
     there = before.input if before is not None else {}
 
     def same(name: str) -> bool:
-        room = archived_room(vector) if name in vector.archived else None
-        return name in there and alike(there[name], vector.input[name], room)
+        tolerated = archived_tolerance(vector) if name in vector.archived else None
+        return name in there and alike(there[name], vector.input[name], tolerated)
 
     return {name: there[name] if same(name) else value for name, value in vector.input.items()}
 
@@ -69,13 +69,13 @@ def agree(before: Entry, after: Entry) -> bool:
     digits. How many digits the routes agreed on is not compared: beyond the tolerance it is chance.
     """
     a, b = before.record, after.record
-    rooms = {name: archived_room(v) for members in VECTORS.values() for v in members if v.id == before.id
+    tolerances = {name: archived_tolerance(v) for members in VECTORS.values() for v in members if v.id == before.id
              for name in v.archived}
     conditioning = [{name: said["conditioning"] for name, said in one["accuracy"].items()} for one in (a, b)]
     return bool(
         a.keys() == b.keys() and all(a[key] == b[key] for key in a if key not in _COMPUTED)
         and before.input.keys() == after.input.keys()
-        and all(alike(value, after.input[name], rooms.get(name)) for name, value in before.input.items())
+        and all(alike(value, after.input[name], tolerances.get(name)) for name, value in before.input.items())
         and all(alike(a[name], b[name]) for name in _COMPUTED[3:] if name in a)
         and before.output.keys() == after.output.keys() and not compare(before, after.output)
         and conditioning[0].keys() == conditioning[1].keys()

@@ -14,7 +14,7 @@ from leakref._base import LeakrefError
 from leakref.cases import REALIZATIONS
 from leakref.decisions import DECISIONS
 from leakref.golden import oracle
-from leakref.golden.entries import Step, certified, closed_form, described, statistics_of
+from leakref.golden.entries import Step, certified, closed_form, describe, statistics_of
 from leakref.golden.ids import configuration_of, ensemble_id
 from leakref.golden.same import alike
 from leakref.golden.sets import SETS, Entry, Failure, Golden, Report, compare
@@ -25,7 +25,7 @@ from leakref.golden.vectors import VECTORS
 __all__ = ["looked_at", "verify", "verify_entry"]
 
 
-def verify_entry(entry: Entry, routes: Sequence[str] | None = None, *, with_witness: bool = False) -> list[Failure]:
+def verify_entry(entry: Entry, routes: Sequence[str] | None = None, *, with_oracle: bool = False) -> list[Failure]:
     """Compute a vector again by the routes of its stage and compare; an exception is a failure like any other."""
     stage = STAGES[entry.stage]
     failures: list[Failure] = []
@@ -40,8 +40,8 @@ def verify_entry(entry: Entry, routes: Sequence[str] | None = None, *, with_witn
             continue
         first = first or found
         failures += compare(entry, found, route) + _noted(entry, found.get("notes"), route)
-    if with_witness and stage.witness is not None and first is not None:
-        failures += compare(entry, plain(oracle.at_digits(stage.witness)(entry.input, first)), "mpmath")
+    if with_oracle and stage.oracle is not None and first is not None:
+        failures += compare(entry, plain(oracle.at_digits(stage.oracle)(entry.input, first)), "mpmath")
     return failures
 
 
@@ -64,10 +64,11 @@ def verify(
 ) -> Report:
     """Compute golden values again and compare.
 
-    Quick: all vectors and analytic values by the chain, realisation 0 of the small configurations by route B.
-    `full`: vectors by every route and the witness, all realisations by A and B, all ensembles by B; what is done is
-    kept in `work`, so that an interrupted run goes on where it stopped. `wanted` are ids, or patterns of them, to look
-    at instead, as in a full run; with `route` A ensembles are confirmed by the surface and the FFT, 16 s a realisation.
+    Quick: all vectors and analytic values by the chain, realisation 0 of the small configurations by route B. `full`:
+    vectors by every route and the high-precision oracle, all realisations by A and B, all ensembles by B; what is done
+    is kept in `work`, so that an interrupted run goes on where it stopped. `wanted` are ids, or patterns of them, to
+    look at instead, as in a full run; with `route` A ensembles are confirmed by the surface and the FFT, 16 s a
+    realisation.
     """
     golden = golden or Golden()
     failures = [
@@ -82,7 +83,7 @@ def verify(
         entries = [e for e in chosen if e.file.split("/")[0] == part]
         if part in VECTORS:
             for entry in entries:
-                failures += verify_entry(entry, with_witness=full)
+                failures += verify_entry(entry, with_oracle=full)
                 step()
         elif part == "realizations":
             failures += _verify_realizations(entries, full, work, workers, step)
@@ -128,7 +129,7 @@ def _verify_realizations(
     again = {record["id"]: record for record in certified(by_surface, work, workers)}
     for entry in entries:
         c, number = configuration_of(entry.id), int(entry.record["input"]["realization"])
-        if not alike(described(c), {k: v for k, v in entry.record["input"].items() if k != "realization"}):
+        if not alike(describe(c), {k: v for k, v in entry.record["input"].items() if k != "realization"}):
             failures.append(Failure(entry.id, "the configuration of that name is another now", entry.stage))
         failures += _without_null(entry, closed_form(c, number), "B")
         if entry.id in again:

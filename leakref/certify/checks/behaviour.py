@@ -7,8 +7,8 @@ import numpy as np
 from leakref._base import FloatArray
 from leakref.certify.checks import inputs
 from leakref.certify.checks.inputs import SEA, Cube
-from leakref.certify.checks.criteria import (FRACTION, IN_THE_MEAN, NEVER, ask, each_method, in_the_mean, taper, vector,
-                                      verdict)
+from leakref.certify.checks.criteria import (FRACTION, IN_THE_MEAN, NEVER, ask, each_method, in_the_mean, tapered,
+                                             vector, verdict)
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Unanswered, Verdict
@@ -102,7 +102,7 @@ def check_sizes(subject: Subject, case: Case) -> Outcome:
     """Odd, prime and very unequal numbers of samples: no Nyquist bin, no bin at -N/2, a shell that is cut off on one
     side if the coarser axis sets its width."""
     cube = _sea(1.25, 1.6, 2.1, grid=SIZES[case.id])
-    return each_method(subject, lambda method: in_the_mean(subject, cube, taper(subject), method))
+    return each_method(subject, lambda method: in_the_mean(subject, cube, tapered(subject), method))
 
 
 def _refused(subject: Subject, cube: Cube, surface: FloatArray, method: str) -> tuple[bool, str]:

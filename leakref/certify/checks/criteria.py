@@ -26,21 +26,21 @@ __all__ = [
     "FRACTION",
     "IN_THE_MEAN",
     "NEVER",
-    "ROOM",
+    "TOLERANCE",
     "as_array",
     "as_good",
     "ask",
-    "bare",
     "blind_to_backward_waves",
     "each_method",
     "exactly",
     "expected",
     "in_the_mean",
-    "room",
     "score",
     "scored_method",
-    "taper",
+    "tapered",
+    "tolerance",
     "unflagged",
+    "untapered",
     "vector",
     "verdict",
     "worst",
@@ -54,16 +54,16 @@ FRACTION = 0.1
 """Of the smaller resolution (eq:dcdwk): how near answers must be that ought to be the same."""
 NEVER = 1e6
 """The effect over tolerance of what is either right or wrong."""
-ROOM = (
+TOLERANCE = (
     "the larger resolution (eq:dcdwk), and for other methods than the NSP twice as much more as the reference's "
     "least squares is off there"
 )
-"""`room` in words."""
-IN_THE_MEAN = f"the mean error, over wavenumbers of which the reference notes nothing, is below the mean of {ROOM}"
+"""`tolerance` in words."""
+IN_THE_MEAN = f"the mean error, over wavenumbers of which the reference notes nothing, is below the mean of {TOLERANCE}"
 """`in_the_mean` in words."""
 
 
-def taper(subject: Subject) -> str:
+def tapered(subject: Subject) -> str:
     """The window for tapered cubes: Hann if it is offered, else any but the box. Raises Unanswered."""
     offered = [name for name in subject.declaration.windows if name != "box"]
     if not offered:
@@ -71,7 +71,7 @@ def taper(subject: Subject) -> str:
     return "hann" if "hann" in offered else offered[0]
 
 
-def bare(subject: Subject) -> str:
+def untapered(subject: Subject) -> str:
     """The box, or Unanswered."""
     if "box" not in subject.declaration.windows:
         raise Unanswered(Verdict.UNSUPPORTED, "always tapers, and this holds for untapered cubes only")
@@ -189,7 +189,7 @@ def verdict(over: FloatArray, cube: Cube, found: FloatArray, should: FloatArray,
     )
 
 
-def room(cube: Cube, window: str, method: str) -> FloatArray:
+def tolerance(cube: Cube, window: str, method: str) -> FloatArray:
     """How far off the truth an answer in a tapered sea may be, (n,): the larger resolution (eq:dcdwk).
 
     Least squares, and what else fits strong bins, depends on which bins pass a threshold, and errs by as much and more
@@ -202,13 +202,13 @@ def room(cube: Cube, window: str, method: str) -> FloatArray:
 
 
 def in_the_mean(subject: Subject, cube: Cube, window: str, method: str) -> Outcome:
-    """Mean error over the mean `room`, over wavenumbers of which the reference notes nothing."""
+    """Mean error over the mean `tolerance`, over wavenumbers of which the reference notes nothing."""
     found, there = ask(subject, cube, window, method)
     there &= unflagged(cube, window, method)
     if not there.any():
         raise Unanswered(Verdict.MISSING, f"has no answer that can be judged at k = {vector(cube.wavenumbers)}")
     error = np.hypot(*(found - cube.truth).T)
-    mean, allowed = float(error[there].mean()), float(room(cube, window, method)[there].mean())
+    mean, allowed = float(error[there].mean()), float(tolerance(cube, window, method)[there].mean())
     return Outcome(
         mean / allowed,
         f"{mean:.3g} c0 off in the mean of {int(there.sum())} wavenumbers, should be below {allowed:.3g}",

@@ -8,14 +8,15 @@ from leakref._base import FloatArray
 from leakref.certify.checks import inputs
 from leakref.certify.checks.inputs import BRIEF, GRIDS
 from leakref.certify.checks.criteria import blind_to_backward_waves, unflagged
-from leakref.certify.checks.criteria import ROOM, ask, bare, each_method, exactly, room, taper, verdict
+from leakref.certify.checks.criteria import TOLERANCE, ask, untapered, each_method, exactly, tolerance, tapered, verdict
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.subject.frames import Subject
 from leakref.dispersion import UniformCurrent
 
 __all__ = ["check_aligned", "check_backwards", "check_strong"]
 
-WITHIN = (f"in the median over wavenumbers of which the reference notes nothing, {ROOM}; it stays below a third of it, "
+WITHIN = (f"in the median over wavenumbers of which the reference notes nothing, {TOLERANCE}; it stays below a third "
+          "of it, "
           "and one of them may have its optimum in another basin")
 FAST = (2.05, 2.06, 2.08, 2.1)
 """Where waves are swept backwards, and a search from rest still finds the current: above 2.15 some end in its mirror
@@ -33,11 +34,11 @@ def _judged(subject: Subject, case: Case, without: tuple[str, ...] = ()) -> Outc
     given = case.given
     cube = inputs.sea(given["direction"], given.get("spread", 180.0), UniformCurrent(given["current"]), grid=BRIEF,
                      wavenumbers=given.get("wavenumbers", (1.3, 1.6, 1.9, 2.2)))
-    window = taper(subject)
+    window = tapered(subject)
 
     def judge(method: str) -> Outcome:
         found, there = ask(subject, cube, window, method)
-        over = np.hypot(*(found - cube.truth).T) / room(cube, window, method)
+        over = np.hypot(*(found - cube.truth).T) / tolerance(cube, window, method)
         over = np.where(there & unflagged(cube, window, method), over, np.nan)
         return verdict(_median(over), cube, found, cube.truth)
 
@@ -77,7 +78,7 @@ def check_backwards(subject: Subject, case: Case) -> Outcome:
 def check_aligned(subject: Subject, case: Case) -> Outcome:
     """The same exactly, with two waves on bins of an untapered cube: no room for leakage to be blamed."""
     cube = inputs.pair(GRIDS[case.given["grid"]], (3, 5), (-4, 4), case.given["near"])
-    window = bare(subject)
+    window = untapered(subject)
 
     def judge(method: str) -> Outcome:
         found, there = ask(subject, cube, window, method)

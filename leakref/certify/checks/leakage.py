@@ -9,7 +9,8 @@ from leakref._base import FloatArray
 from leakref.certify.checks import inputs
 from leakref.certify.checks.inputs import SEA, Cube, polar
 from leakref.certify.checks.criteria import expected, scored_method, unflagged
-from leakref.certify.checks.criteria import IN_THE_MEAN, ask, bare, each_method, exactly, in_the_mean, taper, verdict
+from leakref.certify.checks.criteria import (IN_THE_MEAN, ask, untapered, each_method, exactly, in_the_mean, tapered,
+                                             verdict)
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.checks.statistics import excess, share
 from leakref.certify.subject.frames import Subject
@@ -36,7 +37,7 @@ def check_still(subject: Subject, case: Case) -> Outcome:
     given = case.given
     cube = inputs.sea(given["direction"], given["spread"], None, realization=given["realization"],
                      peakedness=given["peakedness"], wavenumbers=(1.1, 1.25, 1.5, 1.8, 2.15, 2.5))
-    return each_method(subject, lambda method: in_the_mean(subject, cube, taper(subject), method))
+    return each_method(subject, lambda method: in_the_mean(subject, cube, tapered(subject), method))
 
 
 @check("leakage", "sec:leakage", WITHIN + " several times over", [
@@ -49,7 +50,7 @@ def check_swell(subject: Subject, case: Case) -> Outcome:
     local = inputs.waves(SEA, k * np.cos(angle), k * np.sin(angle), (1.9, 2.1, 2.3, 2.5))
     swell = Components(*(np.array([v]) for v in (*np.multiply(case.given["at"], local.grid.bin_widths), 60.0, 0.3)))
     cube = Cube(inputs.together(local.components, swell), local.grid, local.wavenumbers, local.current)
-    return each_method(subject, lambda method: in_the_mean(subject, cube, taper(subject), method))
+    return each_method(subject, lambda method: in_the_mean(subject, cube, tapered(subject), method))
 
 
 @check("leakage", "sec:leakage", WITHIN, [Case("fast"), Case("strong", {"strength": 200.0}, quick=False)])
@@ -64,7 +65,7 @@ def check_flicker(subject: Subject, case: Case) -> Outcome:
     texture = Components(waves.kx, waves.ky, np.full(n.size, 38.5 * SEA.frequency_resolution),
                          np.full(n.size, strength), waves.phase)
     cube = Cube(inputs.together(waves, texture), local.grid, local.wavenumbers, local.current)
-    return in_the_mean(subject, cube, taper(subject), method)
+    return in_the_mean(subject, cube, tapered(subject), method)
 
 
 @check("leakage", "eq:normSp", "2e-4 c0, three times what optimisers at default tolerances miss; for the NSP also a "
@@ -72,7 +73,7 @@ def check_flicker(subject: Subject, case: Case) -> Outcome:
 def check_aligned(subject: Subject, case: Case) -> Outcome:
     """Waves of still water that lie on bins do not leak: whatever current is found comes from the code and not from
     the window, as when the dispersion relation is taken at the shell's wavenumber for all its bins."""
-    window, side = bare(subject), 2 * np.pi / 0.12
+    window, side = untapered(subject), 2 * np.pi / 0.12
     grid = Grid((56, 60, 72), (side / 56, side / 60, 2 * np.pi * 10 / float(DEEP.frequency(0.6)) / 72))
     rings = np.array([(5, 0), (3, 4), (-4, 3), (4, -3), (20, 0), (12, 16), (16, -12), (-12, 16), (0, -20)]) * 0.12
     cube = inputs.waves(grid, rings[:, 0], rings[:, 1], (0.6, 2.4))
@@ -101,7 +102,7 @@ def _means(errors: FloatArray) -> list[float | None]:
 def check_bias(subject: Subject, case: Case) -> Outcome:
     """The bias from leakage, realisation by realisation beside the reference's: a code that is sound in one sea may be
     worse than need be in the mean of many."""
-    given, window = case.given, taper(subject)
+    given, window = case.given, tapered(subject)
     current = UniformCurrent(polar(given["speed"], given["direction"] + 70))
     seas = [inputs.sea(given["direction"], given["spread"], current, realization=100 + n)
             for n in range(given["count"])]

@@ -10,7 +10,7 @@ from leakref._base import FloatArray
 from leakref.certify.checks import inputs
 from leakref.certify.checks.inputs import Cube, polar
 from leakref.certify.checks.criteria import unflagged
-from leakref.certify.checks.criteria import FRACTION, as_array, bare, each_method, taper, verdict
+from leakref.certify.checks.criteria import FRACTION, as_array, untapered, each_method, tapered, verdict
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.subject.frames import Subject
 from leakref.dispersion import UniformCurrent
@@ -49,7 +49,7 @@ def _cube(window: str) -> Cube:
 
 def _related(subject: Subject, case: Case, change: Change, matrix: FloatArray, exchanged: bool = False) -> Outcome:
     """Compare the velocities of a changed array with those of the array itself, `matrix` applied."""
-    window = taper(subject) if case.given.get("tapered", False) else bare(subject)
+    window = tapered(subject) if case.given.get("tapered", False) else untapered(subject)
     cube = _cube(window)
     dx, dy, dt = cube.spacing
     spacing = (dy, dx, dt) if exchanged else cube.spacing

@@ -6,8 +6,8 @@ import numpy as np
 
 from leakref.certify.checks import inputs
 from leakref.certify.checks.inputs import GRIDS, polar
-from leakref.certify.checks.criteria import (EXACT, IN_THE_MEAN, ask, bare, each_method, exactly, in_the_mean,
-                                              scored_method, taper, vector, verdict)
+from leakref.certify.checks.criteria import (EXACT, IN_THE_MEAN, ask, untapered, each_method, exactly, in_the_mean,
+                                              scored_method, tapered, vector, verdict)
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.subject.frames import Subject
 from leakref.dispersion import DEEP, UniformCurrent
@@ -31,7 +31,7 @@ def check_pair(subject: Subject, case: Case) -> Outcome:
     """Two waves on bins of an untapered cube fix a uniform current exactly: lengths of (n - 1) d instead of n d, the
     gravity or the root of the dispersion relation, a wrong bin or a wrong branch all show."""
     first, second = case.given["bins"]
-    cube, window = inputs.pair(GRIDS[case.given["grid"]], first, second, case.given["near"]), bare(subject)
+    cube, window = inputs.pair(GRIDS[case.given["grid"]], first, second, case.given["near"]), untapered(subject)
 
     def judge(method: str) -> Outcome:
         found, there = ask(subject, cube, window, method)
@@ -48,7 +48,7 @@ def check_pair(subject: Subject, case: Case) -> Outcome:
 def check_single(subject: Subject, case: Case) -> Outcome:
     """One wave fixes the component of the current along it and no more: what is returned along it must be right."""
     method = scored_method(subject, "offers no NSP; other methods may decline where one wave is all there is")
-    window, grid, (i, j) = bare(subject), inputs.sampling(GRIDS[case.given["grid"]]), case.given["bin"]
+    window, grid, (i, j) = untapered(subject), inputs.sampling(GRIDS[case.given["grid"]]), case.given["bin"]
     k = np.array([i, j]) * grid.bin_widths[:2]
     size = float(np.hypot(*k))
     m = round(float(DEEP.frequency(size)) / grid.frequency_resolution) + case.given["shift"]
@@ -65,7 +65,7 @@ def check_single(subject: Subject, case: Case) -> Outcome:
 def check_two_shells(subject: Subject, case: Case) -> Outcome:
     """Two pairs of waves, each with its own current, in shells that do not touch: a shell that is too wide, an answer
     at the wrong wavenumber or one answer for all mixes them up."""
-    grid, window = GRIDS[case.given["grid"]], bare(subject)
+    grid, window = GRIDS[case.given["grid"]], untapered(subject)
     low = inputs.pair(grid, (4, 1), (-2, 4), (0.2, -0.1))
     high = inputs.pair(grid, (9, -4), (5, 8), (-0.15, 0.1))
     both = inputs.Cube(inputs.together(low.components, high.components), low.grid,
@@ -91,4 +91,4 @@ def check_sea(subject: Subject, case: Case) -> Outcome:
     """A broad sea under a taper, as in the field: whatever the algorithm, it is right within the resolution."""
     given = case.given
     cube = inputs.sea(given["direction"], given["spread"], UniformCurrent(given["current"]), realization=3)
-    return each_method(subject, lambda method: in_the_mean(subject, cube, taper(subject), method))
+    return each_method(subject, lambda method: in_the_mean(subject, cube, tapered(subject), method))

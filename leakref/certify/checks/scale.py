@@ -7,7 +7,8 @@ import numpy as np
 from leakref.certify.checks import inputs
 from leakref.certify.checks.inputs import BRIEF, SEA, polar
 from leakref.certify.checks.criteria import unflagged
-from leakref.certify.checks.criteria import FRACTION, IN_THE_MEAN, ask, bare, each_method, in_the_mean, taper, verdict
+from leakref.certify.checks.criteria import (FRACTION, IN_THE_MEAN, ask, untapered, each_method, in_the_mean, tapered,
+                                             verdict)
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.subject.frames import Subject
 from leakref.dispersion import UniformCurrent
@@ -26,7 +27,7 @@ LONG = Grid((40, 42, 144), (0.72, 0.7, 0.8))
 def check_peak(subject: Subject, case: Case) -> Outcome:
     """The same sea with waves four times shorter or sixteen times longer: a width in rad/s, a gravity, a search range
     or a threshold that was set for one sea state gives another current, and is as sure of it."""
-    window = taper(subject) if case.given["tapered"] else bare(subject)
+    window = tapered(subject) if case.given["tapered"] else untapered(subject)
     cube = inputs.sea(70.0, 100.0, UniformCurrent(polar(0.2, -30.0)), realization=11, wavenumbers=(1.3, 1.6, 2.0, 2.5))
 
     def judge(method: str) -> Outcome:
@@ -47,4 +48,4 @@ def check_duration(subject: Subject, case: Case) -> Outcome:
     narrow for the one or too wide for the other."""
     cube = inputs.sea(70.0, 100.0, UniformCurrent(polar(0.3, 150.0)), realization=2, grid=case.given["grid"],
                      wavenumbers=(1.3, 1.6, 2.0, 2.4))
-    return each_method(subject, lambda method: in_the_mean(subject, cube, taper(subject), method))
+    return each_method(subject, lambda method: in_the_mean(subject, cube, tapered(subject), method))

@@ -9,7 +9,7 @@ from leakref._base import FloatArray
 from leakref.certify.checks import inputs
 from leakref.certify.checks.inputs import Cube
 from leakref.certify.checks.criteria import unflagged
-from leakref.certify.checks.criteria import IN_THE_MEAN, ask, each_method, in_the_mean, taper, vector
+from leakref.certify.checks.criteria import IN_THE_MEAN, ask, each_method, in_the_mean, tapered, vector
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Unanswered, Verdict
@@ -46,7 +46,7 @@ def check_profile(subject: Subject, case: Case) -> Outcome:
     """Under a sheared current every wavenumber has a Doppler shift velocity of its own: a shell read at another
     wavenumber, or a current averaged over all of them, is off by more than the resolution at the ends."""
     _each_wavenumber(subject)
-    return each_method(subject, lambda method: in_the_mean(subject, _cube(case), taper(subject), method))
+    return each_method(subject, lambda method: in_the_mean(subject, _cube(case), tapered(subject), method))
 
 
 def _slope(cube: Cube, velocities: FloatArray, there: npt.NDArray[np.bool_]) -> FloatArray:
@@ -60,7 +60,7 @@ def check_slope(subject: Subject, case: Case) -> Outcome:
     """Shorter waves feel the current nearer to the surface: the change with wavenumber must have the right sign and
     about the right size, not that of a profile upside down, nor none."""
     _each_wavenumber(subject)
-    cube, window = _cube(case), taper(subject)
+    cube, window = _cube(case), tapered(subject)
 
     def judge(method: str) -> Outcome:
         found, there = ask(subject, cube, window, method)
@@ -80,7 +80,7 @@ def check_band(subject: Subject, case: Case) -> Outcome:
     """One current for the whole band must lie within the range of those of its wavenumbers."""
     if not subject.declaration.band:
         raise Unanswered(Verdict.UNSUPPORTED, "gives a velocity for each wavenumber: see shear.profile")
-    cube, window = _cube(case), taper(subject)
+    cube, window = _cube(case), tapered(subject)
 
     def judge(method: str) -> Outcome:
         found, _ = ask(subject, cube, window, method)

@@ -7,7 +7,7 @@ import numpy as np
 from leakref._base import FloatArray
 from leakref.certify.checks import inputs
 from leakref.certify.checks.inputs import polar
-from leakref.certify.checks.criteria import ask, bare, each_method, taper, vector
+from leakref.certify.checks.criteria import ask, untapered, each_method, tapered, vector
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.subject.frames import Subject
 from leakref.dispersion import UniformCurrent
@@ -61,7 +61,7 @@ def check_sea(subject: Subject, case: Case) -> Outcome:
     another one of the same speed: negated, one component flipped, x and y exchanged."""
     current = UniformCurrent(polar(SPEED, case.given["direction"]))
     cube = inputs.sea(case.given["direction"] + 60, 180.0, current, realization=7)
-    window = taper(subject)
+    window = tapered(subject)
 
     def judge(method: str) -> Outcome:
         found, there = ask(subject, cube, window, method)
@@ -76,7 +76,7 @@ def check_aligned(subject: Subject, case: Case) -> Outcome:
     """Two waves on bins leave no room for leakage: a sign slip in the 2 x 2 solve, which a sea may hide in one
     component, shows here whatever the window does."""
     cube = inputs.pair(inputs.EVEN, (5, 3), (-2, 5), polar(SPEED, case.given["direction"]))
-    window = bare(subject)
+    window = untapered(subject)
 
     def judge(method: str) -> Outcome:
         found, there = ask(subject, cube, window, method)

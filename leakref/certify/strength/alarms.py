@@ -13,7 +13,7 @@ from leakref import fast
 from leakref.certify.checks import inputs
 from leakref.certify.checks.registry import CHECKS
 from leakref.certify.checks.statistics import FALSE_ALARMS, share
-from leakref.certify.runner import chosen
+from leakref.certify.runner import select
 from leakref.dispersion import UniformCurrent
 
 __all__ = ["errors_of", "false_alarms", "seas"]
@@ -24,7 +24,7 @@ _STORED = 100  # realisations of each sea of the statistical checks
 
 def seas() -> dict[str, Mapping[str, Any]]:
     """The seas of the statistical check by name, without the number of realisations."""
-    chosen()  # loads the checks
+    select()  # loads the checks
     return {case.id.rpartition("-")[0]: case.given for case in CHECKS["leakage.bias"].cases}
 
 
@@ -63,9 +63,9 @@ def false_alarms(errors: Mapping[str, Mapping[str, Any]], resamplings: int = RES
             i = rng.integers(0, stored.size, (resamplings, count))
             j = (i + rng.integers(1, stored.size, i.shape)) % stored.size
             d = stored[i] - stored[j]
-            room = student.isf(share(len(methods)), count - 1) * d.std(axis=1, ddof=1) / np.sqrt(count)
-            alarmed["at_margin"] |= d.mean(axis=1) > room
-            alarmed["as_good"] |= d.mean(axis=1) > margin + room
+            above = student.isf(share(len(methods)), count - 1) * d.std(axis=1, ddof=1) / np.sqrt(count)
+            alarmed["at_margin"] |= d.mean(axis=1) > above
+            alarmed["as_good"] |= d.mean(axis=1) > margin + above
     return {
         "resamplings": resamplings,
         "tests": len(tests) * len(methods),

@@ -25,7 +25,7 @@ import numpy.typing as npt
 from leakref._base import FloatArray, LeakrefError
 from leakref.certify.strength import faults
 from leakref.certify.certificate import SOUND, Certificate
-from leakref.certify.runner import chosen
+from leakref.certify.runner import select
 from leakref.certify.subject.declaration import Declaration
 from leakref.certify.subject.inprocess import InProcess
 from leakref.certify.checks.registry import Case, Check
@@ -33,7 +33,7 @@ from leakref.certify.subject.frames import Call
 from leakref.certify.verdict import WRONG, Finding, Verdict
 from leakref.methods import METHODS
 
-__all__ = ["ENOUGH", "Diagnosis", "Hypothesis", "departure", "diagnose", "explained"]
+__all__ = ["ENOUGH", "Diagnosis", "Hypothesis", "departure", "diagnose", "explain"]
 
 ENOUGH = 3.0
 """Digits of agreement from which a fault explains an answer: far more than two velocities share by chance."""
@@ -100,10 +100,10 @@ def departure(findings: Iterable[Finding]) -> str:
 
 
 def _stage(finding: Finding) -> str:
-    return next(c.stage for c, case in chosen([finding.id.partition("[")[0]]))
+    return next(c.stage for c, case in select([finding.id.partition("[")[0]]))
 
 
-def explained(certificate: Certificate, *, deep: bool = False, after_each: Step = lambda: None) -> Certificate:
+def explain(certificate: Certificate, *, deep: bool = False, after_each: Step = lambda: None) -> Certificate:
     """The certificate with a diagnosis of what fell short and was not known, if anything did; see `diagnose`."""
     said = diagnose(certificate.wrong, certificate.declaration, deep=deep, after_each=after_each)
     words = said.words + _frame(said, certificate.declaration)
@@ -167,7 +167,7 @@ def _hypothesis(names: _Names, digits: float) -> Hypothesis:
 
 def _clues(findings: Sequence[Finding], declared: str) -> list[_Clue]:
     """What failed, from cheap to dear, each family once before any twice."""
-    by_id = {f"{c.id}[{case.id}]": (c, case) for c, case in chosen()}
+    by_id = {f"{c.id}[{case.id}]": (c, case) for c, case in select()}
     found = sorted((_Clue(*by_id[f.id], f, declared) for f in findings if f.verdict in WRONG and f.id in by_id),
                    key=lambda clue: clue.cost)
     rank: dict[str, int] = {}
@@ -240,7 +240,7 @@ def _implementation(names: _Names) -> Any:
 @lru_cache(maxsize=4096)
 def _replayed(identifier: str, names: _Names, declared: str) -> tuple[Finding, tuple[Call, ...]]:
     """What a check finds of the reference with faults, offering no more than is declared, and the answers it had."""
-    (check, case), = chosen([identifier])
+    (check, case), = select([identifier])
     subject = InProcess(_implementation(names))
     own, theirs = subject.declaration, Declaration(**loads(declared))
     asked = {"methods": [m for m in theirs.methods if m in METHODS] or list(METHODS)[:1],

@@ -1,7 +1,7 @@
 """Faults: the reference chain with one thing wrong, by name.
 
-One list serves twice. As mutants the faults measure the suite: each has a *witness*, a finding where its effect is at
-least ten times the tolerance, and each is killed by the family of checks meant for it. As hypotheses they
+One list serves twice. As mutants the faults measure the suite: each has a *killing input*, a finding where its effect
+is at least ten times the tolerance, and each is killed by the family of checks meant for it. As hypotheses they
 explain: what a failing implementation does is compared with what each fault does. Nearly all are one changed line of
 the chain; `altered` proves that the line is there. What no line of the chain can do, such as remembering the last call,
 is a few lines around it.
@@ -33,7 +33,7 @@ class Fault:
     """`words` say what is wrong, as a diagnosis would; `family` is the one whose checks are meant to kill it.
 
     Either `changes` to the chain, or an `instead` of the reference. `sound`: a code like this is another algorithm,
-    and only conformance tells. `witness` is a finding on which the effect is at least ten times the tolerance.
+    and only conformance tells. `killing_input` is a finding on which the effect is at least ten times the tolerance.
     """
 
     id: str
@@ -42,7 +42,7 @@ class Fault:
     words: str
     changes: tuple[Change, ...] = ()
     instead: type[Reference] | None = None
-    witness: str = ""
+    killing_input: str = ""
 
     @property
     def sound(self) -> bool:
@@ -405,7 +405,7 @@ _BEHAVIOUR = (
           (_answer("np.round(FOUND, 1)"),)),
 )
 
-_WITNESSES = {
+_KILLINGES = {
     "recovery.pair[even-1]":
         "negated-current flipped-x flipped-y exchanged-axes quarter-turn rows-downwards reversed-time exchanged-cube "
         "absolute-value no-cross-component exchanged-spacing square-pixels hertz-for-radians cycles-for-radians "
@@ -452,10 +452,10 @@ _WITNESSES = {
     "behaviour.order[shuffled]": "sorted-wavenumbers",
     "behaviour.order[reversed]": "first-wavenumber-dropped",
 }
-"""Findings, and the faults that each is the witness of."""
-_WITNESS = {name: finding for finding, names in _WITNESSES.items() for name in names.split()}
+"""Findings, and the faults that each is the killing input of."""
+_KILLING = {name: finding for finding, names in _KILLINGES.items() for name in names.split()}
 
-FAULTS: dict[str, Fault] = {fault.id: replace(fault, witness=_WITNESS.get(fault.id, "")) for fault in (
+FAULTS: dict[str, Fault] = {fault.id: replace(fault, killing_input=_KILLING.get(fault.id, "")) for fault in (
     *_FRAME, *_UNITS, *_SYNTHESIS, *_WINDOW, *_SPECTRUM, *_SHELL, *_NSP, *_LS, *_BEHAVIOUR)}
 """Every fault by id, stage by stage."""
 

@@ -1,9 +1,9 @@
 """The strength of the suite itself: which checks kill which faults, and how often a correct code is rejected.
 
-Faults are mutants: each must exceed the tolerance of its witness ten times and be killed by the family of checks meant
-for it; with that family switched off it is reported as alive, whoever else sees it. Variants are correct codes: none
-may be rejected, on the checks' own inputs or on fresh seas and grids. The statistical checks are resampled under their
-null hypothesis.
+Faults are mutants: each must exceed the tolerance of its killing input ten times and be killed by the family of checks
+meant for it; with that family switched off it is reported as alive, whoever else sees it. Variants are correct codes:
+none may be rejected, on the checks' own inputs or on fresh seas and grids. The statistical checks are resampled under
+their null hypothesis.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from leakref import kept, runs, sources
 from leakref._output import dump, envelope, folder, plain, progress_bar, write_whole
 from leakref.certify.checks.criteria import NEVER
 from leakref.certify.checks.registry import FAMILIES, Case, Check
-from leakref.certify.runner import chosen
+from leakref.certify.runner import select
 from leakref.certify.strength import faults, variants
 from leakref.certify.strength.alarms import errors_of, false_alarms, seas
 from leakref.certify.strength.faults import FAULTS, Fault
@@ -37,7 +37,7 @@ __all__ = ["DISTINCT", "SEEDS", "Job", "classes", "compute", "jobs", "run", "stu
 SEEDS = 200
 """Fresh seeds of the full study, shared among the variants."""
 DISTINCT = 10.0
-"""Effect over tolerance that every fault must have on its witness."""
+"""Effect over tolerance that every fault must have on its killing input."""
 _SEEN = ("signs", "recovery", "metamorphic", "leakage", "currents", "shear", "scale")  # families that look at seas
 
 
@@ -92,14 +92,14 @@ def compute(job: Job) -> dict[str, Any]:
 def fault_record(
     fault: Fault, *, full: bool = False, make: Callable[[str], Any] = faults.implementation
 ) -> dict[str, Any]:
-    """What kills a fault, and by how much it exceeds the tolerance of its witness.
+    """What kills a fault, and by how much it exceeds the tolerance of its killing input.
 
-    Its witness is asked first, then the family meant for it until something there kills it; with `full` every check of
-    the quick profile is asked. `over` holds the effect over tolerance by finding.
+    Its killing input is asked first, then the family meant for it until something there kills it; with `full` every
+    check of the quick profile is asked. `over` holds the effect over tolerance by finding.
     """
-    everything = chosen(profile="full")
-    witness = [pair for pair in everything if _name(pair) == fault.witness]
-    asked = [*witness, *(chosen(profile="quick") if full else ())]
+    everything = select(profile="full")
+    killing = [pair for pair in everything if _name(pair) == fault.killing_input]
+    asked = [*killing, *(select(profile="quick") if full else ())]
     own = sorted((pair for pair in everything if pair[0].family == fault.family), key=lambda pair: not pair[1].quick)
     over: dict[str, float] = {}
     for pair in [*asked, *own]:
@@ -110,8 +110,8 @@ def fault_record(
         "id": fault.id,
         "family": fault.family,
         "killed_by": killers[0] if killers else None,
-        "effect_over_tolerance": over.get(fault.witness),
-        "witness": fault.witness,
+        "effect_over_tolerance": over.get(fault.killing_input),
+        "witness": fault.killing_input,
         "over": over,
     }
 
@@ -184,10 +184,10 @@ def variant_record(
     """The checks of the quick profile that a variant should pass and does not, on their own inputs or on fresh ones."""
     exact = VARIANTS[identifier].grade == "conformant" if identifier in VARIANTS else False
     if seed is None:
-        pairs = [pair for pair in chosen(profile="quick") if exact or pair[0].family != "conformance"]
+        pairs = [pair for pair in select(profile="quick") if exact or pair[0].family != "conformance"]
         found = [check(InProcess(make(identifier)), case) for check, case in pairs]
     else:
-        pairs = [pair for pair in chosen(profile="quick") if pair[0].family in _SEEN]
+        pairs = [pair for pair in select(profile="quick") if pair[0].family in _SEEN]
         with fresh(seed):
             found = [check(InProcess(make(identifier)), case) for check, case in pairs]
     wrong = [f for f in found if f.verdict in WRONG]
@@ -272,7 +272,8 @@ def problems(record: Mapping[str, Any]) -> list[str]:
         if r["killed_by"] is None:
             said.append(f"the fault {r['id']} survives the checks of {r['family']}")
         elif effect is None or effect < DISTINCT:
-            said.append(f"the effect of {r['id']} on {r['witness'] or 'no witness'} is {effect} times the tolerance")
+            on = r["witness"] or "no killing input"
+            said.append(f"the effect of {r['id']} on {on} is {effect} times the tolerance")
         if r["family"] == "conformance" and others:
             said.append(f"the fault {r['id']} leaves a code sound, and {', '.join(others)} rejects it")
     for v in record["variants"]:
@@ -331,7 +332,7 @@ def show(record: Mapping[str, Any]) -> None:
     matrix = Table(title="Faults: effect over tolerance, by the family that kills", header_style="bold")
     matrix.add_column("fault")
     matrix.add_column("meant for")
-    matrix.add_column("witness")
+    matrix.add_column("killing input")
     matrix.add_column("effect", justify="right")
     if record["full"]:
         for family in FAMILIES:

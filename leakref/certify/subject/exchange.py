@@ -104,7 +104,7 @@ class Exchange:
         with stream:
             return (_raw if self._format == "raw" else _packed)(stream, path, name, shape)
 
-    def room(self) -> None:
+    def check_space(self) -> None:
         """Raise OSError if the output had no room: that is no fault of the program's."""
         largest = max((size for _, size, _ in self._inputs.values()), default=0)
         with tempfile.TemporaryFile(dir=self.folder) as stream:

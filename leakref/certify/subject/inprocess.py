@@ -13,16 +13,16 @@ from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Unanswered, Verdict
 from leakref.sea import Components
 
-__all__ = ["InProcess", "accepts", "call", "described", "offered", "takes_wavenumbers"]
+__all__ = ["InProcess", "accepts", "call", "describe", "offer", "takes_wavenumbers"]
 
 
 class InProcess(Subject):
     """A Python object or function called directly: for pytest and for the study of the suite, without limits."""
 
     def __init__(self, implementation: Any, name: str = "") -> None:
-        self.functions = offered(implementation)
+        self.functions = offer(implementation)
         given = dict(implementation.describe()) if hasattr(implementation, "describe") else {}
-        super().__init__(described(given, self.functions, name or _name(implementation)))
+        super().__init__(describe(given, self.functions, name or _name(implementation)))
 
     def _work(self, stage: str, arrays: dict[str, Any], parameters: dict[str, Any]) -> Mapping[str, Any]:
         before = {name: np.array(value) for name, value in arrays.items()}
@@ -44,7 +44,7 @@ def _name(implementation: Any) -> str:
     return f"{getattr(implementation, '__module__', '')}:{own}"
 
 
-def offered(implementation: Any) -> dict[str, Callable[..., Any]]:
+def offer(implementation: Any) -> dict[str, Callable[..., Any]]:
     """The stages an object offers; a bare function is `extract`. Raises Unanswered if there are none."""
     found = {s: getattr(implementation, s) for s in STAGES if callable(getattr(implementation, s, None))}
     if not found and callable(implementation) and not isinstance(implementation, type):
@@ -54,7 +54,7 @@ def offered(implementation: Any) -> dict[str, Callable[..., Any]]:
     return found
 
 
-def described(given: dict[str, Any], calls: Mapping[str, Callable[..., Any]], name: str) -> Declaration:
+def describe(given: dict[str, Any], calls: Mapping[str, Callable[..., Any]], name: str) -> Declaration:
     """What an object says of itself, completed by what its signatures show: keywords that are lacking are fixed."""
     can = {stage: dict(given.get("can", {}).get(stage, {})) for stage in calls if stage in given.get("can", calls)}
     fixed = list(given.get("fixed", ()))

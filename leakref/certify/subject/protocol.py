@@ -200,7 +200,7 @@ class ProcessSubject(Subject):
             return {name: answer[name] for name in ("velocities", "wavenumbers") if name in answer}
         except Breach as breach:
             said = self._blamed(breach)
-            self._exchange.room()
+            self._exchange.check_space()
             self._end()
             self._strikes += 1
             self._last = breach.message
@@ -230,7 +230,7 @@ class ProcessSubject(Subject):
                             for name in (altered[:9] if isinstance(altered, list) else ())]
         status, message = answer.get("status"), printable(answer.get("message") or "it does not say why")
         if status == "error":
-            self._exchange.room()
+            self._exchange.check_space()
         if status == "unsupported":
             raise Unanswered(Verdict.UNSUPPORTED, message)
         if status != "ok":

@@ -36,7 +36,7 @@ def _all_bins(given: Input) -> oracle.Bins:
     return [(i, j) for i in range(nx) for j in range(ny)]
 
 
-def _spectrum_witness(given: Input, _: Output) -> Output:
+def _spectrum_by_oracle(given: Input, _: Output) -> Output:
     nx, ny, nt = given["shape"]
     found = oracle.spectrum(
         listed(given), given["shape"], given["spacing"], given["window"], _all_bins(given), range(nt)
@@ -44,7 +44,7 @@ def _spectrum_witness(given: Input, _: Output) -> Output:
     return {name: v.reshape(nx, ny, nt) for name, v in rounded(found).items()}
 
 
-def _transform_witness(given: Input, _: Output) -> Output:
+def _transform_by_oracle(given: Input, _: Output) -> Output:
     return rounded(oracle.transformed(given["surface"], given["window"]))
 
 
@@ -93,7 +93,7 @@ def _membership(given: Input) -> Output:
     }
 
 
-def _membership_witness(given: Input, _: Output) -> Output:
+def _membership_by_oracle(given: Input, _: Output) -> Output:
     shell, bins = oracle_shell(given, None)
     return {
         "i": [i for i, _ in bins],
@@ -128,7 +128,7 @@ def _magnitude(spectrum: Callable[[Input], Spectrum]) -> Callable[[Input], Outpu
     return run
 
 
-def _magnitude_witness(given: Input, _: Output) -> Output:
+def _magnitude_by_oracle(given: Input, _: Output) -> Output:
     return {"F": oracle_shell(given, oracle_values(given))[0].f}
 
 
@@ -141,7 +141,7 @@ def _characteristic(given: Input) -> Output:
     return {"G": characteristic_function(shell, given["velocity"], width_of(given))[in_order(shell, given)[2]]}
 
 
-def _characteristic_witness(given: Input, _: Output) -> Output:
+def _characteristic_by_oracle(given: Input, _: Output) -> Output:
     return {"G": oracle.characteristic(oracle_shell(given, None)[0], given["velocity"])}
 
 
@@ -156,7 +156,7 @@ STAGES = {
     "transform": Stage(
         "sec:leakage",
         {"chain": lambda g: real_and_imaginary(by_surface(g).whole()), "matrices": _plain_transform},
-        _transform_witness,
+        _transform_by_oracle,
         _spectrum_conditioning,
     ),
     "spectrum": Stage(
@@ -165,17 +165,17 @@ STAGES = {
             "A": lambda g: real_and_imaginary(by_surface(g).whole()),
             "B": lambda g: real_and_imaginary(in_closed_form(g).whole()),
         },
-        _spectrum_witness,
+        _spectrum_by_oracle,
         _spectrum_conditioning,
     ),
-    "shell": Stage("eq:g", {"chain": _membership}, _membership_witness, relative(4, "i", "j", "weight")),
+    "shell": Stage("eq:g", {"chain": _membership}, _membership_by_oracle, relative(4, "i", "j", "weight")),
     "magnitude": Stage(
         "eq:maskedSpec",
         both_routes(_magnitude),
-        _magnitude_witness,
+        _magnitude_by_oracle,
         lambda g, f: {"F": in_closed_form(g).strongest[0] * turns(g)},
     ),
     "characteristic": Stage(
-        "eq:DSVkernel", {"chain": _characteristic}, _characteristic_witness, _characteristic_conditioning
+        "eq:DSVkernel", {"chain": _characteristic}, _characteristic_by_oracle, _characteristic_conditioning
     ),
 }

@@ -39,11 +39,11 @@ WAVE = ("kx", "ky", "omega", "amplitude", "phase")
 
 @dataclass(frozen=True)
 class Stage:
-    """How one stage's golden values are computed. `witness` gets what the first route found: optima start there."""
+    """How one stage's golden values are computed. `oracle` gets what the first route found: optima start there."""
 
     equation: str
     routes: Mapping[str, Callable[[Input], Output]]
-    witness: Callable[[Input, Output], Output] | None
+    oracle: Callable[[Input, Output], Output] | None
     conditioning: Callable[[Input, Output], Output]
 
 
@@ -82,7 +82,7 @@ def real_and_imaginary(values: Any) -> Output:
 
 
 def rounded(found: Any) -> Output:
-    """Complex numbers of the witness as floats; what is zero but for its own rounding is zero."""
+    """Complex numbers of the oracle as floats; what is zero but for its own rounding is zero."""
 
     def part(nested: Any, name: str) -> Any:
         return [part(v, name) for v in nested] if isinstance(nested, list) else float(getattr(nested, name))

@@ -46,7 +46,7 @@ def _scores(spectrum: Callable[[Input], Spectrum]) -> Callable[[Input], Output]:
     return run
 
 
-def _scores_witness(given: Input, _: Output) -> Output:
+def _scores_by_oracle(given: Input, _: Output) -> Output:
     shell = oracle_shell(given, oracle_values(given))[0]
     return {"N": [oracle.score(shell, c)[0] for c in given["velocities"]]}
 
@@ -60,7 +60,7 @@ def _derivatives(spectrum: Callable[[Input], Spectrum]) -> Callable[[Input], Out
     return run
 
 
-def _derivatives_witness(given: Input, _: Output) -> Output:
+def _derivatives_by_oracle(given: Input, _: Output) -> Output:
     shell = oracle_shell(given, oracle_values(given))[0]
     return dict(zip(("N", "gradient", "hessian"), oracle.score(shell, given["velocity"]), strict=True))
 
@@ -156,7 +156,7 @@ def _record(found: Extraction) -> Output:
     return {"velocities": found.velocities, "notes": [note.names for note in found.notes]}
 
 
-def _velocities_witness(given: Input, first: Output, method: str = "nsp") -> Output:
+def _velocities_by_oracle(given: Input, first: Output, method: str = "nsp") -> Output:
     values, result = oracle_values(given), []
     for k, start in zip(given["wavenumbers"], np.asarray(first["velocities"]), strict=True):
         if not np.isfinite(start).all() and method == "nsp":
@@ -194,24 +194,24 @@ def _statistics(given: Input) -> Output:
 
 
 STAGES = {
-    "score": Stage("eq:normSp", both_routes(_scores), _scores_witness, _score_conditioning),
-    "derivatives": Stage("eq:normSp", both_routes(_derivatives), _derivatives_witness, _score_conditioning),
+    "score": Stage("eq:normSp", both_routes(_scores), _scores_by_oracle, _score_conditioning),
+    "derivatives": Stage("eq:normSp", both_routes(_derivatives), _derivatives_by_oracle, _score_conditioning),
     "nsp": Stage(
         "eq:normSp",
         both_routes(lambda s: _velocities(s, "nsp")),
-        _velocities_witness,
+        _velocities_by_oracle,
         lambda g, f: _velocities_conditioning(g, "nsp"),
     ),
     "ls": Stage(
         "eq:LS1",
         both_routes(lambda s: _velocities(s, "ls")),
-        lambda g, first: _velocities_witness(g, first, "ls"),
+        lambda g, first: _velocities_by_oracle(g, first, "ls"),
         lambda g, f: _velocities_conditioning(g, "ls"),
     ),
     "extract": Stage(
         "sec:NSP",
         {"chain": _extract},
-        lambda g, first: _velocities_witness(g, first, g["method"]),
+        lambda g, first: _velocities_by_oracle(g, first, g["method"]),
         lambda g, f: _velocities_conditioning(g, g["method"]),
     ),
     "statistics": Stage(

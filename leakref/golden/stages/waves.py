@@ -38,7 +38,7 @@ def _scaled_grid(given: Input) -> Output:
     }
 
 
-def _scaled_grid_witness(given: Input, _: Output) -> Output:
+def _scaled_grid_by_oracle(given: Input, _: Output) -> Output:
     mp, mpf = oracle.mp, oracle.mpf
     sizes = [int(mp.nint(mpf(given["length"]) * 28)), int(mp.nint(mpf(given["duration"]) * 14))]
     sides = [2 * mp.pi * mpf(given[name]) for name in ("length", "duration")]
@@ -64,7 +64,7 @@ def _bins_of(given: Input) -> Output:
     }
 
 
-def _bins_of_witness(given: Input, _: Output) -> Output:
+def _bins_of_by_oracle(given: Input, _: Output) -> Output:
     mp = oracle.mp
     widths = [2 * mp.pi / (n * oracle.mpf(d)) for n, d in zip(given["shape"], given["spacing"], strict=True)]
     nx, ny, nt = given["shape"]
@@ -90,7 +90,7 @@ def _dispersion(given: Input) -> Output:
     }
 
 
-def _dispersion_witness(given: Input, _: Output) -> Output:
+def _dispersion_by_oracle(given: Input, _: Output) -> Output:
     g = given["gravity"]
     omega = [oracle.dispersion(k, g) for k in given["wavenumber"]]
     return {
@@ -109,7 +109,7 @@ def _resolutions(given: Input) -> Output:
     return {"from_frequency": frequency, "from_wavenumber": wavenumber}
 
 
-def _resolutions_witness(given: Input, _: Output) -> Output:
+def _resolutions_by_oracle(given: Input, _: Output) -> Output:
     g, dk, dw = (oracle.mpf(given[name]) for name in ("gravity", "wavenumber_resolution", "frequency_resolution"))
     k = [oracle.mpf(v) for v in given["wavenumber"]]
     group = [oracle.dispersion(v, g) / v / 2 for v in k]
@@ -148,7 +148,7 @@ def _shifts(current: Current, given: Input) -> Output:
     return {"velocity": current.doppler_shift_velocity(np.array(given["wavenumber"]))}
 
 
-def _doppler_witness(given: Input, _: Output) -> Output:
+def _doppler_by_oracle(given: Input, _: Output) -> Output:
     return {"velocity": [oracle.doppler(given["current"], k) for k in given["wavenumber"]]}
 
 
@@ -157,7 +157,7 @@ def _scales(given: Input) -> Output:
     return {name: getattr(s, name) for name in ("wavenumber", "frequency", "length", "time", "velocity")}
 
 
-def _scales_witness(given: Input, _: Output) -> Output:
+def _scales_by_oracle(given: Input, _: Output) -> Output:
     k = oracle.mpf(given["peak_wavenumber"])
     omega = oracle.dispersion(k, given["gravity"])
     return {"wavenumber": k, "frequency": omega, "length": 1 / k, "time": 1 / omega, "velocity": omega / k}
@@ -177,7 +177,7 @@ def _spreading_conditioning(given: Input, found: Output) -> Output:
     return {"density": 4 + np.pi * turn}
 
 
-def _phases_witness(given: Input, _: Output) -> Output:
+def _phases_by_oracle(given: Input, _: Output) -> Output:
     return {
         "phase": [oracle.lattice_phase(given["realization"], i, j) for i, j in zip(given["i"], given["j"], strict=True)]
     }
@@ -193,7 +193,7 @@ def _sea(given: Input) -> Output:
     return {name: getattr(waves, name) for name in WAVE}
 
 
-def _sea_witness(given: Input, _: Output) -> Output:
+def _sea_by_oracle(given: Input, _: Output) -> Output:
     found = oracle.components(given, lambda k: oracle.doppler(given["current"], k))
     return dict(zip(WAVE, found, strict=True))
 
@@ -221,20 +221,20 @@ def _surface_conditioning(given: Input, _: Output) -> Output:
 
 
 STAGES = {
-    "scaled-grid": Stage("sec:parameters", {"chain": _scaled_grid}, _scaled_grid_witness, relative(6, "shape")),
-    "bins": Stage("app:numdetails", {"chain": _bins_of}, _bins_of_witness, relative(6)),
-    "dispersion": Stage("sec:theory", {"chain": _dispersion}, _dispersion_witness, relative(4)),
-    "resolutions": Stage("eq:dcdwk", {"chain": _resolutions}, _resolutions_witness, relative(6)),
+    "scaled-grid": Stage("sec:parameters", {"chain": _scaled_grid}, _scaled_grid_by_oracle, relative(6, "shape")),
+    "bins": Stage("app:numdetails", {"chain": _bins_of}, _bins_of_by_oracle, relative(6)),
+    "dispersion": Stage("sec:theory", {"chain": _dispersion}, _dispersion_by_oracle, relative(4)),
+    "resolutions": Stage("eq:dcdwk", {"chain": _resolutions}, _resolutions_by_oracle, relative(6)),
     "doppler": Stage(
         "eq:SJ",
         {
             "chain": lambda g: _shifts(_closed_current(g["current"]), g),
             "quadrature": lambda g: _shifts(_profile(g["current"]), g),
         },
-        _doppler_witness,
+        _doppler_by_oracle,
         relative(100),
     ),
-    "scales": Stage("sec:dimensions", {"chain": _scales}, _scales_witness, relative(4)),
+    "scales": Stage("sec:dimensions", {"chain": _scales}, _scales_by_oracle, relative(4)),
     "jonswap": Stage(
         "eq:JONSWAP",
         {"chain": lambda g: {"density": jonswap(g["frequency"], g["peakedness"])}},
@@ -250,10 +250,10 @@ STAGES = {
     "phases": Stage(
         "sec:spectrum",
         {"chain": lambda g: {"phase": uniform_phases(g["realization"], np.array(g["i"]), np.array(g["j"]))}},
-        _phases_witness,
+        _phases_by_oracle,
         relative(0, "phase"),
     ),
-    "components": Stage("eq:amplitudes", {"chain": _sea}, _sea_witness, _sea_conditioning),
+    "components": Stage("eq:amplitudes", {"chain": _sea}, _sea_by_oracle, _sea_conditioning),
     "surface": Stage(
         "sec:spectrum",
         {"chain": lambda g: {"eta": synthesize(waves_of(g), g["x"], g["y"], g["t"])}},

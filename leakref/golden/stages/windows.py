@@ -28,7 +28,7 @@ def _summed_response(given: Input) -> Output:
     return {"real": found.real, "imag": found.imag}
 
 
-def _response_witness(given: Input, _: Output) -> Output:
+def _response_by_oracle(given: Input, _: Output) -> Output:
     return rounded(
         [[oracle.kernel(given["window"], n, u, given["size"]) for u in given["positions"]] for n in given["bins"]]
     )
@@ -109,7 +109,7 @@ def _figures(given: Input) -> Output:
     }
 
 
-def _figures_witness(given: Input, _: Output) -> Output:
+def _figures_by_oracle(given: Input, _: Output) -> Output:
     mp, mpf, name = oracle.mp, oracle.mpf, given["window"]
     gain = oracle.closed_lobe(name, mpf(0))
 
@@ -164,7 +164,7 @@ STAGES = {
         relative(8),
     ),
     "response": Stage(
-        "sec:leakage", {"chain": _response, "sum": _summed_response}, _response_witness, _response_conditioning
+        "sec:leakage", {"chain": _response, "sum": _summed_response}, _response_by_oracle, _response_conditioning
     ),
     "lobes": Stage(
         "fig:leakage_lobes",
@@ -172,5 +172,5 @@ STAGES = {
         lambda g, _: {"lobe": [oracle.lobe(g["window"], v) for v in g["offsets"]]},
         lambda g, f: {"lobe": 8.0 + np.pi * largest(g["offsets"])},
     ),
-    "figures": Stage("app:window_comparison", {"chain": _figures}, _figures_witness, _figures_conditioning),
+    "figures": Stage("app:window_comparison", {"chain": _figures}, _figures_by_oracle, _figures_conditioning),
 }
