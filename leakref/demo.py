@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 
+from leakref.shell import Extraction
 from leakref import chain
 from leakref._base import FloatArray
 from leakref._output import console, dump, envelope, folder, progress_bar, write_whole
@@ -112,7 +113,7 @@ def _measure(configuration: Configuration, wavenumbers: FloatArray) -> tuple[dic
     Spectra are compared for all realisations, velocities for the first.
     """
     grid = configuration.grid
-    found: dict[str, list[chain.Extraction]] = {name: [] for name in configuration.windows}
+    found: dict[str, list[Extraction]] = {name: [] for name in configuration.windows}
     spectra = velocities = 0.0
     reach = float(wavenumbers[-1]) + 3 * grid.wavenumber_resolution
     with progress_bar("videos, each untapered and tapered", _REALIZATIONS * len(found)) as step:

@@ -51,7 +51,8 @@ class Water:
 
     def density_factor(self, wavenumber: npt.ArrayLike) -> FloatArray:
         """The factor from a density over frequencies to one over the plane, 2 (d omega0 / d k) / k = sqrt(g) k^-3/2."""
-        return np.sqrt(self.gravity) * np.asarray(wavenumber, dtype=np.float64) ** -1.5
+        falling: FloatArray = np.asarray(wavenumber, dtype=np.float64) ** -1.5
+        return falling * float(np.sqrt(self.gravity))
 
 
 DEEP = Water()

@@ -45,7 +45,7 @@ class Window:
         size = integer("Window.samples", "size", size, 2)
         s = np.arange(size) / (size - 1 if symmetric else size)
         if not self.coefficients:
-            return i0(KAISER_SHAPE * np.sqrt(1 - (2 * s - 1) ** 2)) / i0(KAISER_SHAPE)
+            return np.asarray(i0(KAISER_SHAPE * np.sqrt(1 - (2 * s - 1) ** 2)) / i0(KAISER_SHAPE))
         return sum(((-1) ** j * a * np.cos(2 * np.pi * j * s) for j, a in enumerate(self.coefficients)), np.zeros(size))
 
     def _stencil(self) -> list[tuple[int, float]]:
@@ -63,7 +63,7 @@ class Window:
         if not self.coefficients:
             z = np.sqrt((KAISER_SHAPE**2 - (np.pi * v) ** 2).astype(np.complex128))
             small = np.abs(z) < 1e-6
-            return np.where(small, 1.0, (np.sinh(z) / np.where(small, 1.0, z)).real) / i0(KAISER_SHAPE)
+            return np.asarray(np.where(small, 1.0, (np.sinh(z) / np.where(small, 1.0, z)).real) / i0(KAISER_SHAPE))
         return sum(((-1) ** j * weight * np.sinc(v - j) for j, weight in self._stencil()), np.zeros(v.shape))
 
     def response(self, bins: npt.ArrayLike, position: npt.ArrayLike, size: int) -> ComplexArray:
@@ -78,7 +78,7 @@ class Window:
         u = np.atleast_1d(np.asarray(position, dtype=np.float64))
         m = np.arange(size)
         forward = np.exp(-2j * np.pi / size * (np.outer(n, m) % size))
-        return (forward * self.samples(size)) @ np.exp(2j * np.pi * np.outer(m, u / size))
+        return np.asarray((forward * self.samples(size)) @ np.exp(2j * np.pi * np.outer(m, u / size)))
 
     def sidelobe_envelope(self, distance: IntArray, size: int) -> FloatArray:
         """How much of a wave's largest bin can be seen `distance` bins (n,) away, at most; distances wrap at `size`.
