@@ -1,4 +1,15 @@
-"""The spectrum without a surface: route B, the closed form of spectral leakage."""
+"""The spectrum without a surface: route B, the closed form of spectral leakage (sec:leakage).
+
+A wave a cos(kx x + ky y - omega t + phase), sampled nx, ny and nt times and tapered, is in the transform at bin (i, j,
+m)
+
+    S = a / 2 exp(i phase) W(i - kx / dkx, nx) W(j - ky / dky, ny) conj W(m - omega / domega, nt) + its mirror image,
+
+where W(v, n) = sum over s = 0 ... n - 1 of w(s) exp(-2 pi i s v / n) is the response of the window w,
+`Window.response`, and the mirror image is the same wave at (-k, -omega) with phase -phase. For the box W is the
+Dirichlet kernel, whose tails fall like 1 / v: that is the leakage. kx, ky in rad per length, omega in rad per time,
+their bins dkx, dky, domega.
+"""
 
 from __future__ import annotations
 

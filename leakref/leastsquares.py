@@ -1,4 +1,13 @@
-"""Least squares: the current that brings the dispersion surface closest to the strong bins."""
+"""Least squares: the current that brings the dispersion surface closest to the strong bins.
+
+Of a Doppler shift velocity c the sum of squares is (eq:LS1, equation 21)
+
+    C(c) = sum over j of (omega0(k_j) + k_j.c - omega_j)^2
+
+over the bins j of a shell with omega >= 0 whose power is at least a fifth of the largest there. k_j is the wave vector
+of a bin in rad per length, omega_j its frequency and omega0 that of a wave of |k_j| in still water, in rad per time.
+The velocity that is measured is the c in lengths per time where C is smallest.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,14 @@
-"""The normalized scalar product: the current whose dispersion surface overlaps best with the spectrum."""
+"""The normalized scalar product: the current whose dispersion surface overlaps best with the spectrum.
+
+Of a Doppler shift velocity c it is (eq:normSp, equation 16, with eq:DSVkernel, equation 14; decisions D2, D6, D18)
+
+    N(c) = <G F> / (<G> <F>),
+    G(c) = exp(-2 ((omega - omega0 - k.c) / a)^2) + exp(-2 ((omega + omega0 - k.c) / a)^2).
+
+<.> is the mean over the bins of a shell, F their magnitude, k their wave vector in rad per length, omega their
+frequency in rad per time, omega0 that of a wave of |k| in still water, and a = 4 domega the width of G, domega the
+width of a bin. The velocity that is measured is the c in lengths per time where N is largest.
+"""
 
 from __future__ import annotations
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import logging
 import multiprocessing
 import os
-import signal
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import CancelledError, Executor, Future, ProcessPoolExecutor, as_completed
@@ -107,8 +106,7 @@ def _store(task: Task, folder: Path | None, part: Part) -> None:
 
 
 def _end_with_parent() -> None:
-    """In a worker: leave when the process that started it is gone, however it went; Ctrl-C is its business."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    """In a worker: leave when the process that started it is gone, however it went."""
     parent = multiprocessing.parent_process()
     if parent is not None:
 

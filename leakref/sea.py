@@ -1,4 +1,13 @@
-"""The sea: a directional JONSWAP spectrum as plane waves on a lattice, or any waves one lists."""
+"""The sea: a directional JONSWAP spectrum as plane waves on a lattice, or any waves one lists.
+
+A wave of wave vector k on a lattice of spacing dk has the amplitude (eq:amplitudes, equation 12; decision D15)
+
+    a(k) = sqrt(S(omega0) f(theta) 2 (d omega0 / d k) / k) dk,
+
+with S the density over frequencies of eq:JONSWAP (equation 8), f that over directions of eq:angularspread (equation
+11), theta the direction of k and omega0(k) the frequency in still water. Scaled units: lengths in 1 / k0, times in
+1 / omega0, k0 and omega0 being wavenumber (rad per length) and frequency (rad per time) of the spectral peak.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,13 @@
-"""The bins around one wavenumber, and what an extraction from them reports."""
+"""The bins around one wavenumber, and what an extraction from them reports.
+
+A shell around k_i holds what the spectrum has near that wavenumber (eq:g, equation 20, for the surface of
+eq:maskedSpec, equation 13),
+
+    F_i(k, omega) = sqrt(P(k, omega)) where | |k| - k_i | <= 2 dk, and nothing elsewhere.
+
+P = |S|^2 is the power in a bin, k its wave vector and k_i the shell's wavenumber in rad per length, omega in rad per
+time, dk the larger of the widths of a bin along kx and ky.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,11 @@
-"""The spectrum and its sign: route A, by the fast Fourier transform."""
+"""The spectrum and its sign: route A, by the fast Fourier transform.
+
+Of a surface eta at positions x (lengths) and times t the spectrum is, with the weights w of a window,
+
+    S(k, omega) = sum over all samples of w eta exp(-i (k.x - omega t)), and its power P = |S|^2:
+
+a wave cos(k.x - omega t) appears at its own k (rad per length) and omega (rad per time), and mirrored at (-k, -omega).
+"""
 
 from __future__ import annotations
 
@@ -19,7 +26,7 @@ __all__ = ["Spectrum", "fourier"]
 
 @dataclass(frozen=True, eq=False)
 class Spectrum:
-    """S(k, omega) = sum of w eta exp(-i (k.x - omega t)): a wave is at its own (+k, +omega). P = |S|^2.
+    """The transform of a tapered surface: a wave is at its own (+k, +omega).
 
     `values` is complex (len(i), len(j), nt // 2 + 1), unnormalised, at bins `i` along kx, `j` along ky (signed
     numbers, any subset) and 0 ... nt // 2 along omega: the half omega >= 0 says all of a real signal.

@@ -37,6 +37,16 @@ def pool() -> bool:
         return bool(list(executor.map(busy, range(4))))
 
 @base.command(None)
+def idle() -> bool:
+    with runs.pool(2) as executor:
+        list(executor.map(time.sleep, [0.2, 0.2]))
+        try:
+            busy(0)
+        finally:
+            time.sleep(2)  # they have the time to say what they think of it
+    return True
+
+@base.command(None)
 def deaf() -> bool:
     (HERE / "left").mkdir()
     ending.last_resorts.add(lambda: shutil.rmtree(HERE / "left"))
@@ -83,6 +93,10 @@ def told(tmp_path, command, number, *, group=False, begun=1):
 def test_a_pool_does_not_wait_for_what_its_workers_are_at(tmp_path, number, group):
     said = "leakref: interrupted\n" if number == signal.SIGINT else "leakref: ended by SIGTERM\n"
     assert told(tmp_path, "pool", number, group=group, begun=2) == (128 + number, said, [])
+
+
+def test_ctrl_c_is_not_the_business_of_workers_that_wait(tmp_path):
+    assert told(tmp_path, "idle", signal.SIGINT, group=True) == (130, "leakref: interrupted\n", [])
 
 
 def test_what_does_not_listen_is_ended_by_force(tmp_path):

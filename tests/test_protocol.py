@@ -226,6 +226,12 @@ def test_what_a_program_does_to_its_guardian_is_its_own_end(session, tmp_path):
 
 
 @linux
+def test_a_program_that_kills_its_guardian_leaves_no_orphan(session):  # see left_behind
+    with session(f"{LOST}; os.kill(os.getppid(), signal.SIGKILL); time.sleep(600)", own=OFFSPRING) as subject:
+        assert judged(subject) == [("error", "was ended by signal 9 (SIGKILL)")]
+
+
+@linux
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
 def test_a_process_that_is_killed_leaves_no_program(session, tmp_path, number):
     program = session(f"{LOST}; open(HERE + '/asked', 'w').close(); time.sleep(600)", own=OFFSPRING)
@@ -241,9 +247,9 @@ def test_a_process_that_is_killed_leaves_no_program(session, tmp_path, number):
         finally:
             process.send_signal(number)
     end = time.monotonic() + 60
-    while running(tmp_path) and time.monotonic() < end:
+    while (running(tmp_path) or list(tmp_path.glob("leakref-*"))) and time.monotonic() < end:
         time.sleep(0.02)
-    assert running(tmp_path) == []
+    assert (running(tmp_path), list(tmp_path.glob("leakref-*"))) == ([], [])  # nor its exchange folder
 
 
 def test_garbage_between_the_lines_is_ignored(session, tmp_path):

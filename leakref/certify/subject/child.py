@@ -48,12 +48,15 @@ Message = dict[str, Any] | Breach
 class Child:
     """A running program, started from an argument list without a shell. `mark` is a text no other process has.
 
+    `belongings` is a folder that goes with this process, if it should be killed.
+
     On Linux a guardian starts it, which ends with it and as it does: what becomes an orphan stays below the guardian,
     and it ends them all if this process is gone, however it went. Raises LeakrefError if it cannot be started at all.
     """
 
-    def __init__(self, command: Sequence[str], folder: Path | None, mark: str) -> None:
-        self._mark = mark
+    def __init__(self, command: Sequence[str], folder: Path | None, mark: str, belongings: str = "") -> None:
+        self._mark, self._belongings = mark, belongings
+        self._guardians: set[psutil.Process] = set()
         self._control: socket.socket | None = None
         try:
             self._popen = (self._guarded if sys.platform == "linux" else self._started)(command, folder)
@@ -62,6 +65,7 @@ class Child:
             raise refusal("certify", f"{printable(command[0])!r} cannot be started ({reason})",
                           "give the program and its arguments as in a shell, with a path if need be", error) from None
         self._process = psutil.Process(self._popen.pid)
+        self._guardians |= {self._process} if self._control else set()
         self._seen = {self._process}
         self._batches: queue.Queue[list[Message] | None] = queue.Queue()
         self._waiting: deque[Message] = deque()
@@ -90,13 +94,15 @@ class Child:
             number = theirs.fileno()
             popen = self._started([sys.executable, "-I", "-S", guardian.__file__, str(number)], folder,
                                   pass_fds=(number,))
-        said = b"\0".join(words)
+        said = b"\0".join([os.fsencode(self._belongings), *words])
         try:
             self._control.settimeout(_PATIENCE)
             self._control.sendall(len(said).to_bytes(8, "big") + said)
-            fault = int.from_bytes(self._control.recv(4) or b"\1", "big")
-            if fault:
+            told = self._control.recv(8, socket.MSG_WAITALL).ljust(8, b"\1")
+            if fault := int.from_bytes(told[:4], "big"):
                 raise OSError(fault, os.strerror(fault))
+            with suppress(psutil.Error):
+                self._guardians.add(psutil.Process(int.from_bytes(told[4:], "big")))
         except BaseException:
             self._control.close()
             with popen:  # it ends now
@@ -224,7 +230,7 @@ class Child:
 
     def _held(self) -> int:
         """Bytes of memory of the program and its offspring."""
-        return memory.held(self._family() - ({self._process} if self._control else set()))
+        return memory.held(self._family() - self._guardians)
 
     def _alive(self) -> list[psutil.Process]:
         """All that is left of it: its family, its session, and whoever carries its mark."""
@@ -258,6 +264,8 @@ class Child:
         if self._popen.returncode is not None:
             return
         if self._control:
+            with suppress(OSError):
+                self._control.send(b".")  # we are here: what belongs to us stays
             self._control.close()  # the guardian does it, unless the program has done something to it
             self._wait(_GRACE)
         for n in range(_ROUNDS):

@@ -52,6 +52,11 @@ class Exchange:
         self._format = ""
         self.output = self.folder
 
+    @property
+    def belongings(self) -> str:
+        """What nobody is to find here once we are gone: the folder, unless it was asked to be kept."""
+        return "" if self._kept else str(self.folder)
+
     def give(self, run: int, form: str, arrays: Mapping[str, npt.ArrayLike]) -> tuple[Path, Path]:
         """Write the inputs of a run as npz, mat or raw: the paths of its input, and of the output to be.
 

@@ -1,15 +1,19 @@
 """Linux: starts a program, and ends all that has come of it when the program ends, or whoever asked for it is gone.
 
 It is run as a script of its own, and imports nothing of the package: `guardian.py N`, N the number of a socket. On it
-comes the argument list, with its length before it; it answers with the error number of a start that failed, or 0.
-Orphans of the program, in whatever session and environment, become its children, and there is nobody else for whom it
-could reap them. It exits as the program did.
+come a folder and the argument list, with their length before them; it answers with the error number of a start that
+failed, or 0, and the number of the process that waits for the program. Orphans of the program, in whatever session and
+environment, become its children, and there is nobody else for whom it could reap them. It exits as the program did.
+
+There are two of it, one the parent of the other, so that a program that kills its parent does not get away with what it
+has started. If the socket closes without a word before, whoever held it is gone, and the folder with it.
 """
 
 import ctypes
 import os
 import resource
 import select
+import shutil
 import signal
 import socket
 import sys
@@ -23,27 +27,52 @@ _LONGEST = 10.0  # seconds of killing, at most: one that hangs in a device does 
 
 
 def guard(control: socket.socket) -> int:
-    """Start the program and wait; its status as `waitpid` gives it, or 0."""
+    """Let a second one start the program and wait; its status as `waitpid` gives it."""
+    folder, *command = _command(control)
+    ctypes.CDLL(None).prctl(_SUBREAPER, 1, 0, 0, 0)
+    for number in (signal.SIGHUP, signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: None)  # not ignored: that would be handed down to the program
+    inner = os.fork()
+    if inner == 0:
+        _exit_as(_watch(control, command, folder))
+    control.close()
+    _close_streams()
+    status = os.waitpid(inner, 0)[1]
+    _end_all({})  # what the second one could not end, since the program has killed it
+    return status
+
+
+def _watch(control: socket.socket, command: list[bytes], folder: bytes) -> int:
+    """Start the program and wait; its status, or 0."""
     ctypes.CDLL(None).prctl(_SUBREAPER, 1, 0, 0, 0)
     wakeup, writer = os.pipe()
     os.set_blocking(writer, False)
     signal.set_wakeup_fd(writer, warn_on_full_buffer=False)
-    for number in (signal.SIGCHLD, signal.SIGHUP, signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda *_: None)  # not ignored: that would be handed down to the program
-    program, fault = _started(_command(control))
-    control.sendall(fault.to_bytes(4, "big"))
-    for stream in range(3):  # the program's alone: they are to end with it
-        os.dup2(os.open(os.devnull, os.O_RDWR), stream)
+    signal.signal(signal.SIGCHLD, lambda *_: None)
+    program, fault = _started(command)
+    control.sendall(fault.to_bytes(4, "big") + os.getpid().to_bytes(4, "big"))
+    _close_streams()
     ended: dict[int, int] = {}
+    forsaken = False
     while not fault and program not in ended:
         heard = select.select([control.fileno(), wakeup], [], [])[0]
         if wakeup in heard:
             os.read(wakeup, 4096)
-        if control.fileno() in heard:  # nothing more is ever said on it: it is closed
+        if control.fileno() in heard:  # a last word, or it is closed
+            with suppress(OSError):
+                forsaken = not control.recv(1)
             break
         _reap(ended)
     _end_all(ended)
+    if forsaken and folder:
+        shutil.rmtree(folder, ignore_errors=True)
     return ended.get(program, 0)
+
+
+def _close_streams() -> None:
+    """They are the program's alone, and are to end with it."""
+    for stream in range(3):
+        os.dup2(os.open(os.devnull, os.O_RDWR), stream)
 
 
 def _command(control: socket.socket) -> list[bytes]:

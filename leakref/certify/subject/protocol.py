@@ -120,7 +120,8 @@ class ProcessSubject(Subject):
 
     def _start(self) -> Declaration:
         """Start the program: what it declares. Raises Breach, or LeakrefError where it refuses to start."""
-        self._child = child = Child(self.command, self.folder, str(self._exchange.folder))
+        self._child = child = Child(self.command, self.folder, str(self._exchange.folder),
+                                    self._exchange.belongings)
         if self._interrupted:  # before it was there to be ended
             child.kill()
             raise Breach(Verdict.ERROR, "is not asked any more")
