@@ -57,7 +57,7 @@ class Named:
         self._inner, self._null, self._said = inner, null, {"name": name, **declared}
 
     def describe(self) -> Mapping[str, object]:
-        """The fields of "ready" in CONTRACT.md."""
+        """What the code declares of itself (guide protocol, section 3)."""
         return {**self._inner.describe(), **self._said}
 
     def extract(self, *cube: Any, **settings: Any) -> Any:
