@@ -118,7 +118,7 @@ def named_in_vain(words):
     found = [name for name in re.findall(r"(?<![\w*}])[\w./-]*\w\.md\b", words)
              if name.rpartition("/")[2] not in there or ("/" in name and name[0] != "/" and not any(
                  (PROJECT / folder / name).exists() for folder in ("", "leakref")))]
-    found += [name for name in re.findall(r"(?<![\w/.])(?:leakref|properties|tests)/[\w/]+\.py\b", words)
+    found += [name for name in re.findall(r"(?<![\w/.])(?:leakref|properties)/[\w/]+\.py\b", words)
               if not (PROJECT / name).exists()]
     found += [topic for topic in re.findall(r"\bleakref guide ([a-z][a-z-]*)", words) if topic not in guides.TOPICS]
     for topic, numbers in re.findall(r"\bguide ([a-z-]+), sections? (\d+(?:(?:, | and )\d+)*)", words):
