@@ -26,7 +26,8 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from leakref._base import LeakrefError
     from leakref.chain import analyse, extract, reference, shell_wavenumbers, transform
-    from leakref.dispersion import ExponentialCurrent, LinearCurrent, ProfileCurrent, Scales, UniformCurrent
+    from leakref.currents import ExponentialCurrent, LinearCurrent, ProfileCurrent, UniformCurrent
+    from leakref.dispersion import Scales, Water
     from leakref.grid import Grid
     from leakref.sea import Components, SeaState, aligned_waves
     from leakref.shell import Extraction, Note
@@ -37,16 +38,17 @@ __version__ = "0.1.0"
 
 _HOME = {
     "LeakrefError": "_base", "analyse": "chain", "extract": "chain", "reference": "chain", "shell_wavenumbers": "chain",
-    "transform": "chain", "ExponentialCurrent": "dispersion", "LinearCurrent": "dispersion",
-    "ProfileCurrent": "dispersion", "Scales": "dispersion", "UniformCurrent": "dispersion", "Grid": "grid",
+    "transform": "chain", "ExponentialCurrent": "currents", "LinearCurrent": "currents",
+    "ProfileCurrent": "currents", "UniformCurrent": "currents", "Scales": "dispersion", "Water": "dispersion",
+    "Grid": "grid",
     "Components": "sea", "SeaState": "sea", "aligned_waves": "sea", "Extraction": "shell", "Note": "shell",
     "Spectrum": "spectrum", "fourier": "spectrum", "synthesize": "synthesis",
 }  # fmt: skip
 
 __all__ = [
     "Components", "ExponentialCurrent", "Extraction", "Grid", "LeakrefError", "LinearCurrent", "Note",
-    "ProfileCurrent", "Scales", "SeaState", "Spectrum", "UniformCurrent", "__version__", "aligned_waves", "analyse",
-    "extract", "fourier", "reference", "shell_wavenumbers", "synthesize", "transform",
+    "ProfileCurrent", "Scales", "SeaState", "Spectrum", "UniformCurrent", "Water", "__version__", "aligned_waves",
+    "analyse", "extract", "fourier", "reference", "shell_wavenumbers", "synthesize", "transform",
 ]  # fmt: skip
 
 

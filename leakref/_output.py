@@ -43,7 +43,7 @@ def dump(value: Any) -> str:
 
 
 def envelope(command: str, ok: bool, **fields: Any) -> dict[str, Any]:
-    """The object that `--json` prints (CONTRACT.md, section 1)."""
+    """The object that `--json` prints (guide protocol, section 14)."""
     return {"schema": f"leakref/{command}/1", "version": __version__, "ok": bool(ok), **fields}
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from leakref._base import FloatArray, LeakrefError, finite, positive
 from leakref.chain import shell_wavenumbers
-from leakref.dispersion import UniformCurrent
+from leakref.currents import UniformCurrent
 from leakref.grid import Grid
 from leakref.sea import Components, SeaState
 

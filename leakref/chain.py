@@ -68,7 +68,7 @@ def transform(components: Components, grid: Grid, windows: tuple[str, ...], *, r
 
 
 class Implementation(Protocol):
-    """What can be judged: any subset of these methods (CONTRACT.md, protocol 1). A bare function is `extract`."""
+    """What can be judged: any subset of these methods (guide protocol, section 5). A bare function is `extract`."""
 
     def describe(self) -> Mapping[str, object]: ...
     def window(self, name: str, size: int) -> FloatArray: ...
@@ -82,7 +82,7 @@ class Reference:
     """The reference chain as an Implementation."""
 
     def describe(self) -> Mapping[str, object]:
-        """The fields of "ready" in CONTRACT.md."""
+        """What the reference declares of itself (guide protocol, section 3)."""
         from leakref import __version__
 
         windows = list(WINDOWS)

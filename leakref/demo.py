@@ -46,7 +46,7 @@ def run(out: Path, *, json: bool = False) -> bool:
     console().print(f"Still water, a narrow sea travelling at {configuration.direction:g}°: {_REALIZATIONS} videos of "
                     f"{' x '.join(map(str, configuration.grid.shape))} samples, {wavenumbers.size} wavenumbers each.")
     ensembles, spectra, velocities = _measure(configuration, wavenumbers)
-    title = "Measured in still water: nothing should be there"
+    title = f"Measured in still water, where nothing should be: {_REALIZATIONS} realisations"
     pictures = save(result_figure(list(ensembles.values()), title), out / "demo")
 
     box, hann = ensembles["box"].bias, ensembles["hann"].bias

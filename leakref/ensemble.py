@@ -77,7 +77,7 @@ class Ensemble:
         return ((self.notes & note.value) != 0).sum(axis=0)
 
     def record(self) -> dict[str, Any]:
-        """As in the JSON of `leakref reproduce` (CONTRACT.md)."""
+        """As in the JSON of `leakref reproduce` (guide protocol, section 14)."""
         frequency, wavenumber = self.resolutions
         flagged = {name: self.noted(note) for note in Note for name in note.names if self.noted(note).any()}
         return {"case": self.configuration.id, "window": self.window, "method": self.method,

@@ -18,7 +18,8 @@ import numpy as np
 import numpy.typing as npt
 
 from leakref._base import FloatArray, IntArray, LeakrefError, finite, integer, positive
-from leakref.dispersion import DEEP, Current, Scales, UniformCurrent, Water
+from leakref.dispersion import DEEP, Scales, Water
+from leakref.currents import Current, UniformCurrent
 from leakref.grid import Grid
 
 __all__ = ["INPUT_SPACING", "LARGEST_WAVENUMBER", "Components", "SeaState", "aligned_waves",

@@ -68,7 +68,7 @@ class Spectrum:
         return float(peaks[a]), (int(self.i[a]), int(self.j[b]), int(m))
 
     def whole(self) -> ComplexArray:
-        """Both halves: (nx, ny, nt) in the order of numpy's fftfreq, ascending in +k and +omega (CONTRACT.md)."""
+        """Both halves: (nx, ny, nt) in the order of numpy's fftfreq, ascending in +k, +omega."""
         if self.values.shape[:2] != self.grid.shape[:2]:
             raise LeakrefError("Spectrum.whole", f"only {self.values.shape[:2]} of {self.grid.shape[:2]} bins are here",
                                "make the spectrum with all its bins")

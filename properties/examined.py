@@ -23,8 +23,8 @@ from leakref.certify.verdict import Unanswered, Verdict
 __all__ = ["PRECISION", "SINGLE", "Examined", "same"]
 
 PRECISION = 1e-10
-"""In c0, of the reference: ten times what DESIGN.md allows in shells without a note, since small cubes are less
-sharp."""
+"""In c0, of the reference: ten times the 1e-11 c0 by which rounding moves a velocity in a shell of the paper's cases
+of which nothing is noted, since the maxima of small cubes are less sharp."""
 SINGLE = 1e-5
 """Relative: what single precision may lose, some hundred roundings of 6e-8."""
 

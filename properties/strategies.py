@@ -1,7 +1,7 @@
 """What the properties are tried on: hostile sizes, waves on bins and off them, small seas; and how many of them.
 
 Sizes are odd, prime, a power of two or tiny, sides very unequal, dx far from dy. Seas and waves are in scaled units, in
-the range where a sound code must be right: DESIGN.md section 9 gives the margins.
+the range where a sound code must be right; each strategy says which margins that takes.
 """
 
 from __future__ import annotations

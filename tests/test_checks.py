@@ -18,7 +18,7 @@ from leakref.certify.checks.registry import CHECKS, FAMILIES, Outcome
 from leakref.certify.checks.statistics import FALSE_ALARMS, TESTS, excess, share
 from leakref.certify.verdict import Unanswered, Verdict
 from leakref.chain import Reference, extract, reference
-from leakref.dispersion import UniformCurrent
+from leakref.currents import UniformCurrent
 from leakref.window import window as named_window
 
 QUICK = [f"{c.id}[{case.id}]" for c, case in select(profile="quick")]

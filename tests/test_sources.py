@@ -23,8 +23,8 @@ PROJECT = HOUSE.parent
 ENTRIES = ("leakref.runs", "leakref.claims.evidence", "leakref.claims.shifts", "leakref.certify.strength.study",
            "leakref.golden.entries")
 CHAIN = {"leakref", *(f"leakref.{name}" for name in (
-    "_base", "grid", "dispersion", "sea", "synthesis", "window", "spectrum", "leakage", "shell", "nsp", "leastsquares",
-    "chain", "cases", "ensemble", "fast", "fast.spectra", "fast.score"))}
+    "_base", "grid", "dispersion", "currents", "sea", "synthesis", "window", "spectrum", "leakage", "shell", "nsp",
+    "leastsquares", "methods", "chain", "cases", "ensemble", "fast", "fast.spectra", "fast.score"))}
 """Between a case of the paper and its velocities: known apart from what any code derives."""
 NEVER = {"leakref.cli", "leakref.figures", "leakref.paper.figures", "leakref.explain", "leakref.demo", "leakref.plugin",
          "leakref.track.page", "leakref.certify.commands", "leakref.claims.pictures", "leakref.golden.commands"}

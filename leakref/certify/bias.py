@@ -20,7 +20,7 @@ from leakref.certify.checks.criteria import expected
 from leakref.certify.checks.criteria import tapered
 from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Unanswered
-from leakref.dispersion import UniformCurrent
+from leakref.currents import UniformCurrent
 from leakref.grid import Grid
 
 __all__ = ["REALIZATIONS", "SCALES", "SEAS", "Bias", "Sea", "bias", "figure"]

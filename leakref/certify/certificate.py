@@ -98,10 +98,10 @@ class Certificate:
 
     @property
     def grade(self) -> str | None:
-        """Conformant, sound or rejected (DESIGN.md section 5); None if nothing could be judged.
+        """Conformant, sound or rejected (guide protocol, section 12); None if nothing could be judged.
 
-        Sound: nothing outside conformance is wrong, and no family was declined as a whole. Conformant: nothing is
-        wrong or declined at all, and something was compared with golden values.
+        Sound: nothing outside conformance is wrong, and no family was declined as a whole. Conformant: besides, nothing
+        in conformance is wrong or declined, and something was compared with golden values.
         """
         if not any(f.verdict is not Verdict.MISSING for f in self.judged):
             return None
@@ -132,7 +132,7 @@ class Certificate:
         return 3 if self.grade is None else 0 if self.ok else 1
 
     def record(self) -> dict[str, Any]:
-        """The JSON of `leakref certify` (CONTRACT.md); its schema is `schema()`."""
+        """The JSON of `leakref certify` (guide protocol, section 14); its schema is `schema()`."""
         known = [{"id": k.id, "reason": k.reason, "issue": k.issue, "stale": k in self.stale}
                  for k in self.known.values()]
         result: dict[str, Any] = plain(envelope(

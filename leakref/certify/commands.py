@@ -15,7 +15,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from leakref._base import LeakrefError
-from leakref._output import console, dump, folder, progress_bar, write_whole
+from leakref._output import console, dump, envelope, folder, progress_bar, write_whole
 from leakref.certify.certificate import REJECTED, SOUND, Certificate, junit, read_known, schema
 from leakref.certify.runner import select
 from leakref.certify.targets import HarnessBroken, Limits, connect
@@ -55,7 +55,7 @@ class Request:
 def show_list(profile: str, only: Sequence[str], *, json: bool) -> int:
     """Print the ids of all findings there can be."""
     ids = [f"{check.id}[{case.id}]" for check, case in select(only, profile=profile)]
-    print(dump({"schema": "leakref/certify/1", "ok": bool(ids), "ids": ids}) if json else "\n".join(ids))
+    print(dump(envelope("certify", bool(ids), ids=ids)) if json else "\n".join(ids))
     return 0 if ids else 3
 
 
@@ -65,7 +65,7 @@ def show_schema() -> None:
 
 
 def run(request: Request, *, json: bool = False) -> int:
-    """Certify, print, write; the exit status of CONTRACT.md."""
+    """Certify, print, write; the exit status (guide protocol, section 13)."""
     if (request.target is None) == (request.command is None):
         given = "no target" if request.target is None else "a target and a --command"
         raise LeakrefError("certify", f"{given} was given", "name package.module:object, reference, fault:ID or "

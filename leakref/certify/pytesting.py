@@ -39,10 +39,10 @@ def parametrize_with_checks(implementation: Any, *, profile: str = "quick", only
         def test_with_leakref(check):
             check()
 
-    `implementation` is an object or a function as in CONTRACT.md, or a TARGET in words; `only` are families, checks or
-    patterns of ids. `known` are failures that are accepted for now, {id: {"reason": ..., "issue": ...}} or a TOML file
-    of that: they must fail, and one that passes fails the test until it is taken off. Raises LeakrefError for an
-    unknown check, profile or known failure.
+    `implementation` is an object or a function (guide protocol, section 5), or a TARGET in words; `only` are families,
+    checks or patterns of ids. `known` are failures that are accepted for now, {id: {"reason": ..., "issue": ...}} or a
+    TOML file of that: they must fail, and one that passes fails the test until it is taken off. Raises LeakrefError for
+    an unknown check, profile or known failure.
     """
     if profile not in ("quick", "full"):
         raise LeakrefError("parametrize_with_checks", f"no profile is called {profile!r}", "choose quick or full")

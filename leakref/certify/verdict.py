@@ -55,7 +55,7 @@ class Finding:
     calls: tuple[Any, ...] = field(default=(), repr=False)
 
     def record(self) -> dict[str, Any]:
-        """As in the JSON of `leakref certify` (CONTRACT.md)."""
+        """As in the JSON of `leakref certify` (guide protocol, section 14)."""
         return {"id": self.id, "family": self.family, "verdict": str(self.verdict), "message": self.message,
                 "digits": self.digits, "over": self.over, "repro": self.repro, "label": self.label}
 

@@ -1,4 +1,5 @@
-"""The program in which a Python target is judged: `python -m leakref.certify.worker TARGET`, protocol 1 with npz.
+"""The program in which a Python target is judged: `python -m leakref.certify.worker TARGET`, protocol 1 with npz
+(guide protocol, sections 5 and 6).
 
 With a second word it says first when all of ours is loaded, which takes seconds on a busy machine.
 """

@@ -198,7 +198,7 @@ def _measure(
 
 
 def _rows(velocities: FloatArray) -> list[list[float] | None]:
-    """As in CONTRACT.md: null where there is no number."""
+    """Rows for JSON: null where there is no number (guide protocol, section 14)."""
     return [None if np.isnan(c).any() else c.tolist() for c in velocities]
 
 

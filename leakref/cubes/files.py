@@ -71,8 +71,8 @@ def of_configuration(configuration: Configuration, realization: int, scales: Sca
 def write(path: Path, cube: Cube, format: str, about: Mapping[str, str] | None = None) -> Path:
     """A cube with all it knows to `path`, whole or not at all, the same bytes every time; `about`: words on its origin.
 
-    Variables as in CONTRACT.md, section 1: eta, x, y, t, gravity, kx, ky, omega, amplitude, phase, current, and
-    peak_wavenumber, units. Raises LeakrefError.
+    The variables are those of guide protocol, section 14: eta, x, y, t, gravity, kx, ky, omega, amplitude, phase,
+    current, peak_wavenumber and units. Raises LeakrefError.
     """
     if format not in FORMATS:
         raise LeakrefError("write", f"no format is called {format!r}", f"choose one of {', '.join(FORMATS)}")

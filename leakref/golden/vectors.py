@@ -24,7 +24,7 @@ EASY, MODERATE, HARD = "easy", "moderate", "hard"
 
 @dataclass(frozen=True)
 class Vector:
-    """`input` as written to JSON, but those named in `archived` go to an npz; `faults` are ids of CONTRACT.md."""
+    """`input` as written to JSON, but those named in `archived` go to an npz; `faults` are ids of faults."""
 
     id: str
     stage: str

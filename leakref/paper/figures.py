@@ -42,7 +42,7 @@ class Stored:
         return velocity_resolutions(self.wavenumbers, grid.wavenumber_resolution, grid.frequency_resolution)
 
     def record(self) -> dict[str, Any]:
-        """As an Ensemble's, in the JSON of `leakref reproduce` (CONTRACT.md)."""
+        """As an Ensemble's, in the JSON of `leakref reproduce` (guide protocol, section 14)."""
         frequency, wavenumber = self.resolutions
         return {"case": self.configuration.id, "window": self.window, "method": self.method,
                 "wavenumbers": self.wavenumbers, "bias": self.bias, "random": self.random, "mean": self.mean,

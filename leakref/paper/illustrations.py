@@ -14,7 +14,8 @@ from scipy.ndimage import map_coordinates
 
 from leakref import leakage, nsp
 from leakref._base import FloatArray
-from leakref.dispersion import DEEP, UniformCurrent
+from leakref.dispersion import DEEP
+from leakref.currents import UniformCurrent
 from leakref.figures import COLOURS, WINDOW_WORDS, figure, styled
 from leakref.grid import Grid
 from leakref.sea import LARGEST_WAVENUMBER, SeaState, jonswap

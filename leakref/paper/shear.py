@@ -17,7 +17,7 @@ import numpy as np
 
 from leakref._base import FloatArray, LeakrefError
 from leakref.cases import Configuration
-from leakref.dispersion import Current, ExponentialCurrent, LinearCurrent, UniformCurrent
+from leakref.currents import Current, ExponentialCurrent, LinearCurrent, UniformCurrent
 from leakref.ensemble import Ensemble
 from leakref.sea import Components, SeaState
 

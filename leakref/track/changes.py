@@ -75,7 +75,7 @@ class Change:
         return self.band.startswith("k")
 
     def record(self) -> dict[str, Any]:
-        """As in the JSON of `leakref track compare` (CONTRACT.md)."""
+        """As in the JSON of `leakref track compare` (guide protocol, section 14)."""
         return {**vars(self), "interval": list(self.interval), "unit": "share" if self.band == ANSWERS else "c0"}
 
 

@@ -33,7 +33,7 @@ from leakref.certify.subject.frames import GRAVITY, PEAK, Subject
 from leakref.certify.verdict import Unanswered, printable
 from leakref.methods import METHODS
 from leakref.decisions import DECISIONS
-from leakref.dispersion import UniformCurrent
+from leakref.currents import UniformCurrent
 from leakref.golden.digests import digest
 
 __all__ = ["COARSE", "PAPER", "UNIT", "Scene", "Series", "fields", "measure", "measure_reference", "scene",

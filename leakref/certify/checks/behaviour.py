@@ -12,7 +12,7 @@ from leakref.certify.checks.criteria import (FRACTION, IN_THE_MEAN, NEVER, ask, 
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Unanswered, Verdict
-from leakref.dispersion import ExponentialCurrent, UniformCurrent
+from leakref.currents import ExponentialCurrent, UniformCurrent
 from leakref.grid import Grid
 from leakref.sea import SeaState
 

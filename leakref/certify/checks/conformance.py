@@ -16,7 +16,8 @@ from leakref.certify.checks.criteria import EXACT, as_array, verdict
 from leakref.certify.checks.registry import CHECKS, Case, Check, Outcome, check
 from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Unanswered, Verdict
-from leakref.dispersion import Scales, UniformCurrent
+from leakref.dispersion import Scales
+from leakref.currents import UniformCurrent
 from leakref.golden.sets import Entry, Golden, agreed_digits, locate
 from leakref.grid import Grid
 from leakref.sea import Components

@@ -11,7 +11,7 @@ from leakref.certify.checks.criteria import blind_to_backward_waves, unflagged
 from leakref.certify.checks.criteria import TOLERANCE, ask, untapered, each_method, exactly, tolerance, tapered, verdict
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.subject.frames import Subject
-from leakref.dispersion import UniformCurrent
+from leakref.currents import UniformCurrent
 
 __all__ = ["check_aligned", "check_backwards", "check_strong"]
 

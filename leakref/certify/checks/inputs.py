@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 
 from leakref._base import FloatArray
-from leakref.dispersion import DEEP, Current, UniformCurrent, velocity_resolutions
+from leakref.dispersion import DEEP, velocity_resolutions
+from leakref.currents import Current, UniformCurrent
 from leakref.grid import Grid
 from leakref.sea import Components, SeaState, aligned_waves
 from leakref.synthesis import synthesize

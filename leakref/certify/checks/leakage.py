@@ -15,7 +15,8 @@ from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.checks.statistics import excess, share
 from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Unanswered, Verdict
-from leakref.dispersion import DEEP, UniformCurrent
+from leakref.dispersion import DEEP
+from leakref.currents import UniformCurrent
 from leakref.grid import Grid
 from leakref.sea import Components
 

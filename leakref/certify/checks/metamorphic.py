@@ -13,7 +13,7 @@ from leakref.certify.checks.criteria import unflagged
 from leakref.certify.checks.criteria import FRACTION, as_array, untapered, each_method, tapered, verdict
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.subject.frames import Subject
-from leakref.dispersion import UniformCurrent
+from leakref.currents import UniformCurrent
 
 __all__ = ["check_amplitude", "check_constant", "check_reversal", "check_shift", "check_symmetry"]
 

@@ -10,7 +10,8 @@ from leakref.certify.checks.criteria import (EXACT, IN_THE_MEAN, ask, untapered,
                                               scored_method, tapered, vector, verdict)
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.subject.frames import Subject
-from leakref.dispersion import DEEP, UniformCurrent
+from leakref.dispersion import DEEP
+from leakref.currents import UniformCurrent
 from leakref.sea import aligned_waves
 
 __all__ = ["check_pair", "check_sea", "check_single", "check_two_shells"]

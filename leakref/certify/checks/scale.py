@@ -11,7 +11,7 @@ from leakref.certify.checks.criteria import (FRACTION, IN_THE_MEAN, ask, untaper
                                              verdict)
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.subject.frames import Subject
-from leakref.dispersion import UniformCurrent
+from leakref.currents import UniformCurrent
 from leakref.grid import Grid
 
 __all__ = ["check_duration", "check_peak"]

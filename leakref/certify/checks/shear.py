@@ -13,7 +13,7 @@ from leakref.certify.checks.criteria import IN_THE_MEAN, ask, each_method, in_th
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Unanswered, Verdict
-from leakref.dispersion import ExponentialCurrent, LinearCurrent
+from leakref.currents import ExponentialCurrent, LinearCurrent
 from leakref.grid import Grid
 
 __all__ = ["check_band", "check_profile", "check_slope"]

@@ -10,7 +10,7 @@ from leakref.certify.checks.inputs import polar
 from leakref.certify.checks.criteria import ask, untapered, each_method, tapered, vector
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.subject.frames import Subject
-from leakref.dispersion import UniformCurrent
+from leakref.currents import UniformCurrent
 
 __all__ = ["check_aligned", "check_sea", "image"]
 

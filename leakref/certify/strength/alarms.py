@@ -14,7 +14,7 @@ from leakref.certify.checks import inputs
 from leakref.certify.checks.registry import CHECKS
 from leakref.certify.checks.statistics import FALSE_ALARMS, share
 from leakref.certify.runner import select
-from leakref.dispersion import UniformCurrent
+from leakref.currents import UniformCurrent
 
 __all__ = ["errors_of", "false_alarms", "seas"]
 

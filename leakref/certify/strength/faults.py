@@ -57,7 +57,7 @@ class Named:
         self._inner, self._null, self._said = inner, null, {"name": name, **declared}
 
     def describe(self) -> Mapping[str, object]:
-        """The fields of "ready" in CONTRACT.md."""
+        """What the code declares of itself (guide protocol, section 3)."""
         return {**self._inner.describe(), **self._said}
 
     def extract(self, *cube: Any, **settings: Any) -> Any:
@@ -326,7 +326,7 @@ _NSP = (
     Fault("current-sign-in-branch", "nsp", "signs", "the Doppler shift in G has the wrong sign",
           (Change("nsp", "shift = shell.kx * u + shell.ky * v", "shift = -shell.kx * u - shell.ky * v"), _UNPOLISHED)),
     Fault("hard-coded-width", "nsp", "scale", "the width a of G is a fixed number instead of 4 domega",
-          (Change("nsp", "a = width * spectrum.grid.frequency_resolution", "a = 0.4"),)),
+          (Change("nsp", "a, water = width * spectrum.grid.frequency_resolution,", "a, water = 0.4,"),)),
     Fault("frequency-cut", "nsp", "scale", "frequencies above 3 are left out whatever the units (D4)",
           (Change("shell", "spectrum.omega, spectrum.half_weight",
                   "spectrum.omega, spectrum.half_weight * (spectrum.omega <= 3)"),)),

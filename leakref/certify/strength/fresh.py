@@ -11,7 +11,7 @@ import numpy as np
 
 from leakref._base import FloatArray
 from leakref.certify.checks import inputs
-from leakref.dispersion import Current, ExponentialCurrent, LinearCurrent, UniformCurrent
+from leakref.currents import Current, ExponentialCurrent, LinearCurrent, UniformCurrent
 from leakref.grid import Grid
 
 __all__ = ["fresh"]

@@ -206,7 +206,7 @@ def study(
     executor: Executor | None = None,
     after_each: Callable[[], object] = lambda: None,
 ) -> dict[str, Any]:
-    """The record of the whole study (CONTRACT.md, `leakref strength`).
+    """The record of the whole study (guide protocol, section 14).
 
     Jobs go to `executor` (default: this process). With a folder `work` each result is written there as it comes, and
     what is already there is not computed again. Results do not depend on the executor or the order of completion.

@@ -17,7 +17,7 @@ _DEFAULT = {"name": "unnamed", "version": "", "units": "scaled", "axes": "xyt", 
 
 @dataclass(frozen=True)
 class Declaration:
-    """The fields of "ready" in CONTRACT.md, checked and completed.
+    """The declaration of guide protocol, section 3, checked and completed.
 
     `fixed` are parameters that it cannot be told: `wavenumbers` if it has its own, `dy` if it knows square pixels only.
     """

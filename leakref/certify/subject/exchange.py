@@ -1,4 +1,7 @@
-"""The private folder in which the arrays of a run are handed over and come back: formats, digests, stray files."""
+"""The private folder in which the arrays of a run are handed over and come back: formats, digests, stray files.
+
+What is promised of it is in the guide protocol, sections 7 and 10.
+"""
 
 from __future__ import annotations
 

@@ -48,9 +48,10 @@ class Call:
 class Subject:
     """An implementation under judgement. Subclasses say in `_work` where the work is done.
 
-    `_work(stage, arrays, parameters)` is handed arrays in the declared frame and units and the parameters of
-    CONTRACT.md, and returns the answer in the same: {"velocities": ..., "wavenumbers": ...} or {"S": ...} and so on.
-    It raises Unanswered. Arrays for surfaces are float64, C-contiguous, and must come back unaltered.
+    `_work(stage, arrays, parameters)` is handed arrays in the declared frame and units and the parameters of the stage
+    (guide protocol, section 4), and returns the answer in the same: {"velocities": ..., "wavenumbers": ...} or
+    {"S": ...} and so on. It raises Unanswered. Arrays for surfaces are float64, C-contiguous, and must come back
+    unaltered.
     """
 
     def __init__(self, declaration: Declaration) -> None:

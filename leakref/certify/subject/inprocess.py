@@ -1,4 +1,7 @@
-"""An implementation in this process: a Python object or function, called directly, without limits."""
+"""An implementation in this process: a Python object or function, called directly, without limits.
+
+What such an object offers and returns is in the guide protocol, section 5.
+"""
 
 from __future__ import annotations
 

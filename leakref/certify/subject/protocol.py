@@ -1,4 +1,4 @@
-"""An implementation in another process: the loop of protocol 1 (CONTRACT.md, section 2), with limits."""
+"""An implementation in another process: the loop of protocol 1 (guide protocol, section 6), with limits."""
 
 from __future__ import annotations
 
@@ -74,7 +74,8 @@ class ProcessSubject(Subject):
         self._exchange = Exchange(self.keep)
         last_resorts.add(self._abandon)
         try:
-            what, remedy = "", "see that it speaks protocol 1; `leakref scaffold` writes one that does"
+            what, remedy = "", ("see that it speaks protocol 1 (`leakref guide protocol`); `leakref scaffold` "
+                                "writes one that does")
             try:
                 self.declaration = self._start()
                 what, remedy = " a first small question", ('see to that; one that knows square pixels only says '
