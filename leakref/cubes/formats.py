@@ -98,6 +98,7 @@ _AS_NPY = "save eta with numpy.save as .npy, which is read in blocks, and pass -
 
 
 def refuse(path: Path, fault: str, remedy: str) -> NoReturn:
+    """Raise the LeakrefError that names the file, what is wrong with it and what to do."""
     raise LeakrefError("extract", f"{path} {fault}", remedy)
 
 

@@ -155,6 +155,7 @@ _STATISTICS = ("bias", "random", "mean", "standard_error", "count")
 
 
 def statistics_of(e: Ensemble) -> dict[str, FloatArray]:
+    """The statistics of an ensemble that a golden entry keeps, as arrays by name."""
     return {name: np.asarray(getattr(e, name), dtype=np.float64) for name in _STATISTICS}
 
 

@@ -13,10 +13,12 @@ CERTIFIED = (0, 1)
 
 
 def realization_id(c: Configuration, number: int) -> str:
+    """The id of one realisation of a configuration."""
     return f"realization-{c.id}/{number}"
 
 
 def ensemble_id(c: Configuration, window: str, method: str) -> str:
+    """The id of the ensemble of a configuration under a window and a method."""
     return f"ensemble-{c.id}/{window}-{method}"
 
 
@@ -41,5 +43,6 @@ def ids(*parts: str) -> dict[str, str]:
 
 
 def configuration_of(identifier: str) -> Configuration:
+    """The configuration that the id of a realisation or an ensemble names."""
     name = identifier.split("-", 1)[1].rsplit("/", 1)[0]
     return next(c for members in CASES.values() for c in members if c.id == name)

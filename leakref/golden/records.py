@@ -111,6 +111,7 @@ def head_of(
     decisions: Iterable[str] = (),
     supersedes: str | None = None,
 ) -> dict[str, Any]:
+    """The first fields of a record: what the entry is, how hard it is, and what it is for."""
     return {
         "id": identifier,
         "stage": stage,

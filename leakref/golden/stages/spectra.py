@@ -65,6 +65,7 @@ def _spectrum_conditioning(given: Input, found: Output) -> Output:
 
 
 def shell_of(spectrum: Spectrum, given: Input) -> Shell:
+    """The shell that the input of an entry asks for."""
     return shell_at(spectrum, given["wavenumber"], water=Water(given["gravity"]))
 
 
@@ -76,6 +77,7 @@ def in_order(shell: Shell, given: Input) -> Any:
 
 
 def empty_spectrum(given: Input) -> Spectrum:
+    """A spectrum of the right bins that holds nothing, for what depends on the bins alone."""
     grid = grid_of(given)
     nx, ny, nt = grid.shape
     return Spectrum(grid, "box", grid.bins(0), grid.bins(1), np.ones((nx, ny, nt // 2 + 1), dtype=np.complex128))
@@ -107,6 +109,7 @@ def _membership_by_oracle(given: Input, _: Output) -> Output:
 def oracle_shell(
     given: Input, values: Callable[[oracle.Bins], Any] | None, wavenumber: float | None = None
 ) -> tuple[oracle.Shell, oracle.Bins]:
+    """A shell as the high-precision oracle makes it, and its bins; `values` gives what the bins hold."""
     bins = sorted(oracle.shell_bins(given["shape"], given["spacing"], wavenumber or given["wavenumber"]))
     found = values(bins) if values is not None else None
     return oracle.Shell(found, bins, given["shape"], given["spacing"], given["gravity"]), bins
@@ -133,6 +136,7 @@ def _magnitude_by_oracle(given: Input, _: Output) -> Output:
 
 
 def width_of(given: Input) -> float:
+    """The width a of G, in rad per unit time."""
     return WIDTH * grid_of(given).frequency_resolution
 
 

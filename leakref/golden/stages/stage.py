@@ -55,6 +55,7 @@ def as_floats(value: Any) -> Any:
 
 
 def largest(value: Any) -> float:
+    """The largest absolute value of nested lists, NaN aside."""
     return float(np.nanmax(np.abs(np.asarray(value, dtype=np.float64)), initial=0.0))
 
 
@@ -66,18 +67,22 @@ def relative(factor: float, *exact: str) -> Callable[[Input, Output], Output]:
 
 
 def grid_of(given: Input) -> Grid:
+    """The grid of an entry."""
     return Grid(tuple(given["shape"]), tuple(given["spacing"]))
 
 
 def waves_of(given: Input) -> Components:
+    """The waves of an entry."""
     return Components(*(np.asarray(given[name], dtype=np.float64) for name in WAVE))
 
 
 def listed(given: Input) -> list[Any]:
+    """The parameters of the waves of an entry as the oracle takes them."""
     return [given[name] for name in WAVE]
 
 
 def real_and_imaginary(values: Any) -> Output:
+    """Complex values as two outputs."""
     return {"real": np.real(values), "imag": np.imag(values)}
 
 
@@ -109,6 +114,7 @@ def turns(given: Input) -> float:
 
 
 def by_surface(given: Input) -> Spectrum:
+    """The spectrum of the waves of an entry by route A, or of the surface that it gives."""
     grid = grid_of(given)
     eta = given.get("surface")
     if eta is None:
@@ -117,10 +123,12 @@ def by_surface(given: Input) -> Spectrum:
 
 
 def in_closed_form(given: Input) -> Spectrum:
+    """The spectrum of the waves of an entry by route B."""
     return leakage.spectrum(waves_of(given), grid_of(given), given["window"])
 
 
 def both_routes(make: Callable[[Callable[[Input], Spectrum]], Route]) -> dict[str, Route]:
+    """The same by the surface and the FFT (A) and in closed form (B)."""
     return {"A": make(by_surface), "B": make(in_closed_form)}
 
 
