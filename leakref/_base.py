@@ -9,8 +9,22 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["LARGEST", "ORDINARY", "ComplexArray", "Damaged", "FloatArray", "IntArray", "LeakrefError", "Trouble",
-           "finite", "integer", "levelled", "positive", "refusal", "vector"]
+__all__ = [
+    "LARGEST",
+    "ORDINARY",
+    "ComplexArray",
+    "Damaged",
+    "FloatArray",
+    "IntArray",
+    "LeakrefError",
+    "Trouble",
+    "finite",
+    "integer",
+    "levelled",
+    "positive",
+    "refusal",
+    "vector",
+]
 
 FloatArray = npt.NDArray[np.floating[Any]]
 ComplexArray = npt.NDArray[np.complex128]
@@ -44,8 +58,20 @@ class Damaged(Trouble):
     """What leakref brings along is not as it was made: nothing can be judged by it, and no code is to blame."""
 
 
-_ASKED = {errno.ENOENT, errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOTDIR, errno.EISDIR, errno.EEXIST, errno.EBUSY,
-          errno.ENAMETOOLONG, errno.ELOOP, errno.EINVAL, errno.ENOTEMPTY}
+_ASKED = {
+    errno.ENOENT,
+    errno.EACCES,
+    errno.EPERM,
+    errno.EROFS,
+    errno.ENOTDIR,
+    errno.EISDIR,
+    errno.EEXIST,
+    errno.EBUSY,
+    errno.ENAMETOOLONG,
+    errno.ELOOP,
+    errno.EINVAL,
+    errno.ENOTEMPTY,
+}
 
 
 def refusal(call: str, fault: str, remedy: str, error: Exception) -> LeakrefError:
@@ -69,15 +95,21 @@ def finite(call: str, name: str, value: npt.ArrayLike, ndim: int | None = None) 
             raise
         raise LeakrefError(call, f"{name} is not numeric ({error})", "pass real numbers") from None
     if ndim is not None and array.ndim != ndim:
-        raise LeakrefError(call, f"{name} has shape {array.shape}, {array.ndim} dimensions",
-                           f"pass an array of {ndim} dimension{'s' * (ndim != 1)}")
+        raise LeakrefError(
+            call,
+            f"{name} has shape {array.shape}, {array.ndim} dimensions",
+            f"pass an array of {ndim} dimension{'s' * (ndim != 1)}",
+        )
     # a sum is finite only if every sample is (or it overflows): one pass, no mask of the whole cube
     with np.errstate(all="ignore"):
         total = array.sum()
     if not np.isfinite(total) and not (good := np.isfinite(array)).all():
         bad = int(array.size - good.sum())
-        raise LeakrefError(call, f"{name} holds {bad} of {array.size} values that are not finite",
-                           "remove or fill NaN and infinity first")
+        raise LeakrefError(
+            call,
+            f"{name} holds {bad} of {array.size} values that are not finite",
+            "remove or fill NaN and infinity first",
+        )
     return array
 
 
@@ -105,8 +137,11 @@ def positive(call: str, **values: float | Iterable[float]) -> None:
         if np.any(numbers <= 0):
             raise LeakrefError(call, f"{name} = {value} is not positive", f"give {name} > 0")
         if np.any((numbers > LARGEST) | (numbers < 1 / LARGEST)):  # its powers would overflow, or vanish
-            raise LeakrefError(call, f"{name} = {value} is not between {1 / LARGEST:g} and {LARGEST:g}",
-                               f"give {name} in units that bring it nearer to 1")
+            raise LeakrefError(
+                call,
+                f"{name} = {value} is not between {1 / LARGEST:g} and {LARGEST:g}",
+                f"give {name} in units that bring it nearer to 1",
+            )
 
 
 def vector(call: str, **vectors: npt.ArrayLike) -> None:

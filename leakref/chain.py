@@ -1,9 +1,9 @@
-"""The chain from samples to velocities in one call, and the interface that any implementation offers."""
+"""The chain from samples to velocities in one call, and the built-in implementation for whoever judges codes."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -12,15 +12,15 @@ from leakref import leakage
 from leakref._base import ComplexArray, FloatArray, LeakrefError, finite, levelled, positive
 from leakref.dispersion import Water
 from leakref.grid import Grid
-from leakref.methods import METHODS, method as named_method
+from leakref.methods import METHODS
+from leakref.methods import method as named_method
 from leakref.sea import Components
 from leakref.shell import Extraction
 from leakref.spectrum import Spectrum, fourier
 from leakref.synthesis import synthesize
 from leakref.window import WINDOWS, window
 
-__all__ = ["Implementation", "Reference", "analyse", "extract", "reference", "shell_wavenumbers",
-           "transform"]
+__all__ = ["Reference", "analyse", "extract", "reference", "shell_wavenumbers", "transform"]
 
 
 def shell_wavenumbers(grid: Grid, smallest: float = 0.4, largest: float = 3.5) -> FloatArray:
@@ -31,21 +31,36 @@ def shell_wavenumbers(grid: Grid, smallest: float = 0.4, largest: float = 3.5) -
     return np.arange(first, last + 1) * dk
 
 
-def analyse(spectrum: Spectrum, wavenumbers: npt.ArrayLike, *, gravity: float = 1.0, water: Water | None = None,
-            method: str = "nsp", **settings: Any) -> Extraction:
+def analyse(
+    spectrum: Spectrum,
+    wavenumbers: npt.ArrayLike,
+    *,
+    gravity: float = 1.0,
+    water: Water | None = None,
+    method: str = "nsp",
+    **settings: Any,
+) -> Extraction:
     """Velocities from a spectrum by a `method` of `methods.METHODS`, in `water` or deep water of some `gravity`.
 
     `settings` are `half_width` and those of the method; of `peak_wavenumber` and `search`, which say how a search is
     judged, a method takes what it knows. Raises LeakrefError.
     """
     record = named_method(method, "analyse")
-    taken = {name: value for name, value in settings.items()
-             if name in record.settings or name not in ("peak_wavenumber", "search")}
+    unknown = {"peak_wavenumber", "search"} - record.settings.keys()
+    taken = {name: value for name, value in settings.items() if name not in unknown}
     return record.extract(spectrum, wavenumbers, water=water or Water(gravity), **taken)
 
 
-def extract(surface: npt.ArrayLike, spacing: tuple[float, float, float], wavenumbers: npt.ArrayLike, *,
-            gravity: float = 1.0, window: str = "hann", method: str = "nsp", **settings: Any) -> Extraction:
+def extract(
+    surface: npt.ArrayLike,
+    spacing: tuple[float, float, float],
+    wavenumbers: npt.ArrayLike,
+    *,
+    gravity: float = 1.0,
+    window: str = "hann",
+    method: str = "nsp",
+    **settings: Any,
+) -> Extraction:
     """From a surface eta[x, y, t] sampled at `spacing` (dx, dy, dt) to velocities at `wavenumbers` (n,).
 
     Angular units throughout: wavenumbers in rad per unit of length, velocities in its units of length and
@@ -56,8 +71,14 @@ def extract(surface: npt.ArrayLike, spacing: tuple[float, float, float], wavenum
     return analyse(spectrum, wavenumbers, gravity=gravity, method=method, **settings)
 
 
-def transform(components: Components, grid: Grid, windows: tuple[str, ...], *, route: str = "A",
-              largest_wavenumber: float | None = None) -> list[Spectrum]:
+def transform(
+    components: Components,
+    grid: Grid,
+    windows: tuple[str, ...],
+    *,
+    route: str = "A",
+    largest_wavenumber: float | None = None,
+) -> list[Spectrum]:
     """The spectra of a sea under several windows: by its surface and the FFT (route A), or in closed form (B)."""
     if route not in ("A", "B"):
         raise LeakrefError("transform", f"no route named {route!r}", "choose A (surface and FFT) or B (closed form)")
@@ -67,19 +88,8 @@ def transform(components: Components, grid: Grid, windows: tuple[str, ...], *, r
     return [fourier(eta, grid, name) for name in windows]
 
 
-class Implementation(Protocol):
-    """What can be judged: any subset of these methods (guide protocol, section 5). A bare function is `extract`."""
-
-    def describe(self) -> Mapping[str, object]: ...
-    def window(self, name: str, size: int) -> FloatArray: ...
-    def synthesize(self, components: Components, x: FloatArray, y: FloatArray, t: FloatArray) -> FloatArray: ...
-    def spectrum(self, surface: FloatArray, spacing: tuple[float, float, float], *, window: str) -> ComplexArray: ...
-    def extract(self, surface: FloatArray, spacing: tuple[float, float, float], wavenumbers: FloatArray, *,
-                gravity: float, window: str, method: str) -> FloatArray: ...
-
-
 class Reference:
-    """The reference chain as an Implementation."""
+    """The reference chain as something that can be judged (`certify.subject.inprocess.Implementation`)."""
 
     def describe(self) -> Mapping[str, object]:
         """What the reference declares of itself (guide protocol, section 3)."""
@@ -87,9 +97,9 @@ class Reference:
 
         windows = list(WINDOWS)
         can = {"extract": {"methods": list(METHODS), "windows": windows, "resolves": "wavenumber"},
-               "spectrum": {"windows": windows}, "window": {"names": windows}, "synthesize": {}}
+               "spectrum": {"windows": windows}, "window": {"names": windows}, "synthesize": {}}  # fmt: skip
         return {"name": "leakref", "version": __version__, "units": "scaled", "axes": "xyt", "y": "up",
-                "direction": "to", "fixed": [], "can": can}
+                "direction": "to", "fixed": [], "can": can}  # fmt: skip
 
     def window(self, name: str, size: int) -> FloatArray:
         """Samples of a window, (size,)."""
@@ -99,14 +109,23 @@ class Reference:
         """The surface, (nx, ny, nt)."""
         return synthesize(components, x, y, t)
 
-    def spectrum(self, surface: FloatArray, spacing: tuple[float, float, float], *,
-                 window: str = "hann") -> ComplexArray:
+    def spectrum(
+        self, surface: FloatArray, spacing: tuple[float, float, float], *, window: str = "hann"
+    ) -> ComplexArray:
         """The whole spectrum, (nx, ny, nt), in fftfreq order."""
         eta = finite("spectrum", "surface", surface, 3)
         return fourier(eta, Grid(eta.shape, spacing), window).whole()
 
-    def extract(self, surface: FloatArray, spacing: tuple[float, float, float], wavenumbers: FloatArray, *,
-                gravity: float = 1.0, window: str = "hann", method: str = "nsp") -> FloatArray:
+    def extract(
+        self,
+        surface: FloatArray,
+        spacing: tuple[float, float, float],
+        wavenumbers: FloatArray,
+        *,
+        gravity: float = 1.0,
+        window: str = "hann",
+        method: str = "nsp",
+    ) -> FloatArray:
         """Velocities, (n, 2), NaN where there is none."""
         return extract(surface, spacing, wavenumbers, gravity=gravity, window=window, method=method).velocities
 

@@ -8,15 +8,19 @@ with k in rad per length, z in lengths, upwards from the surface, and U and c in
 """
 
 from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
+
 import numpy as np
 import numpy.typing as npt
 from scipy.integrate import quad_vec
+
 from leakref._base import FloatArray, LeakrefError, finite, positive, vector
 
 __all__ = ["Current", "ExponentialCurrent", "LinearCurrent", "ProfileCurrent", "UniformCurrent"]
+
 
 class Current(Protocol):
     """Anything that shifts waves: a Doppler shift velocity (n, 2) for wavenumbers (n,)."""
@@ -89,12 +93,18 @@ class ProfileCurrent:
         def velocity(s: float) -> FloatArray:
             u = finite("ProfileCurrent", "the profile's velocity", self.profile(np.log(s) / (2 * k)))
             if u.shape != (k.size, 2):
-                raise LeakrefError("ProfileCurrent", f"the profile returned shape {u.shape} for {k.size} depths",
-                                   "return (n, 2) velocities for (n,) depths z <= 0")
+                raise LeakrefError(
+                    "ProfileCurrent",
+                    f"the profile returned shape {u.shape} for {k.size} depths",
+                    "return (n, 2) velocities for (n,) depths z <= 0",
+                )
             return u
 
         integral, error = quad_vec(velocity, 0.0, 1.0, epsabs=self.tolerance, epsrel=self.tolerance, limit=2000)
         if not error <= 100 * self.tolerance * max(1.0, float(np.abs(integral).max(initial=0.0))):
-            raise LeakrefError("ProfileCurrent", f"the integral of eq:SJ is uncertain by {error:.1e}",
-                               "smooth the profile or pass a larger tolerance")
+            raise LeakrefError(
+                "ProfileCurrent",
+                f"the integral of eq:SJ is uncertain by {error:.1e}",
+                "smooth the profile or pass a larger tolerance",
+            )
         return np.asarray(integral)

@@ -6,12 +6,16 @@ the package that knows omega0(k): it travels wherever waves are looked for.
 """
 
 from __future__ import annotations
+
 from dataclasses import dataclass
+
 import numpy as np
 import numpy.typing as npt
+
 from leakref._base import FloatArray, finite, positive
 
 __all__ = ["DEEP", "Scales", "Water", "velocity_resolutions"]
+
 
 @dataclass(frozen=True)
 class Water:
@@ -47,16 +51,17 @@ DEEP = Water()
 """The paper's water, in its scaled units."""
 
 
-def velocity_resolutions(wavenumber: npt.ArrayLike, wavenumber_resolution: float, frequency_resolution: float,
-                         water: Water = DEEP) -> tuple[FloatArray, FloatArray]:
+def velocity_resolutions(
+    wavenumber: npt.ArrayLike, wavenumber_resolution: float, frequency_resolution: float, water: Water = DEEP
+) -> tuple[FloatArray, FloatArray]:
     """The two Doppler shift resolutions of eq:dcdwk at each wavenumber, in units of velocity.
 
     Returns (from frequency: domega / k, from wavenumber: d omega0 / d k * dk / k). Raises LeakrefError.
     """
     k = finite("velocity_resolutions", "wavenumber", wavenumber)
-    positive("velocity_resolutions", wavenumber=k.ravel(), wavenumber_resolution=wavenumber_resolution,
-             frequency_resolution=frequency_resolution)
-    return frequency_resolution / k, water.group_velocity(k) * wavenumber_resolution / k
+    dk, domega = wavenumber_resolution, frequency_resolution
+    positive("velocity_resolutions", wavenumber=k.ravel(), wavenumber_resolution=dk, frequency_resolution=domega)
+    return domega / k, water.group_velocity(k) * dk / k
 
 
 @dataclass(frozen=True)

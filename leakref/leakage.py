@@ -27,8 +27,9 @@ __all__ = ["spectrum"]
 _BUFFER = 2**21  # complex numbers in a block of the kernels along omega
 
 
-def spectrum(components: Components, grid: Grid, window: str = "hann", *,
-             largest_wavenumber: float | None = None) -> Spectrum:
+def spectrum(
+    components: Components, grid: Grid, window: str = "hann", *, largest_wavenumber: float | None = None
+) -> Spectrum:
     """The spectrum of `components` sampled on `grid`, exactly, from the kernels of its waves (sec:NSP_and_leakage).
 
     The transform of a finite plane wave is the product of three responses of the window, one an axis; a sum
@@ -69,8 +70,9 @@ def _within(grid: Grid, axis: int, largest: float | None) -> IntArray:
     return bins if largest is None else bins[np.abs(bins) <= largest / grid.bin_widths[axis] + 1e-9]
 
 
-def _responses(taper: Window, grid: Grid, axis: int, bins: IntArray,
-               k: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+def _responses(
+    taper: Window, grid: Grid, axis: int, bins: IntArray, k: FloatArray
+) -> tuple[ComplexArray, ComplexArray]:
     """Kernels of exp(+i k x) and of its mirror exp(-i k x) on the same bins."""
     position, size = k / grid.bin_widths[axis], grid.shape[axis]
     return taper.response(bins, position, size), taper.response(-bins, position, size).conj()

@@ -60,16 +60,23 @@ def optimum(shell: Shell, threshold: float = THRESHOLD) -> Optimum:
     return Optimum(velocity, float(residual @ residual), 2 * (k @ residual), 2 * normal, 0, note)
 
 
-def extract(spectrum: Spectrum, wavenumbers: npt.ArrayLike, *, gravity: float = 1.0, water: Water | None = None,
-            threshold: float = THRESHOLD, half_width: float = HALF_WIDTH) -> Extraction:
+def extract(
+    spectrum: Spectrum,
+    wavenumbers: npt.ArrayLike,
+    *,
+    gravity: float = 1.0,
+    water: Water | None = None,
+    threshold: float = THRESHOLD,
+    half_width: float = HALF_WIDTH,
+) -> Extraction:
     """Doppler shift velocities by least squares (sec:LSvsNSP), one for each wavenumber (n,).
 
     `water` is the law of dispersion, by default that of deep water of some `gravity`. Raises LeakrefError.
     """
     k = checked_wavenumbers(wavenumbers, "leastsquares.extract")
     if not (isinstance(threshold, int | float) and 0 < threshold <= 1):
-        raise LeakrefError("leastsquares.extract", f"threshold = {threshold}",
-                           "give a part of the largest power, above 0 and at most 1")
+        remedy = "give a part of the largest power, above 0 and at most 1"
+        raise LeakrefError("leastsquares.extract", f"threshold = {threshold}", remedy)
     water = water or Water(gravity)
-    return collect("ls", k, [optimum(shell_at(spectrum, k_i, water=water, half_width=half_width), threshold)
-                             for k_i in k])
+    shells = (shell_at(spectrum, k_i, water=water, half_width=half_width) for k_i in k)
+    return collect("ls", k, [optimum(shell, threshold) for shell in shells])

@@ -19,12 +19,24 @@ from scipy.optimize import minimize
 
 from leakref._base import FloatArray, positive
 from leakref.dispersion import Water
-from leakref.shell import (HALF_WIDTH, Extraction, Note, Optimum, Shell, checked_wavenumbers, collect, nothing,
-                           shell_at, velocity_unit)
+from leakref.shell import (
+    HALF_WIDTH,
+    Extraction,
+    Note,
+    Optimum,
+    Shell,
+    checked_wavenumbers,
+    collect,
+    nothing,
+    shell_at,
+    velocity_unit,
+)
 from leakref.spectrum import Spectrum
 
-__all__ = ["START", "UNKNOWN", "WIDTH", "another_basin", "characteristic_function", "extract", "leaves_the_band",
-           "normalized_scalar_product", "optimum", "remarks", "score_derivatives"]
+__all__ = [
+    "START", "UNKNOWN", "WIDTH", "another_basin", "characteristic_function", "extract", "leaves_the_band",
+    "normalized_scalar_product", "optimum", "remarks", "score_derivatives",
+]  # fmt: skip
 
 WIDTH = 4.0
 """a of eq:DSVkernel in domega (sec:parameters)."""
@@ -62,8 +74,9 @@ def remarks(bins: int, soft: float, score: float, unit: float, beyond: bool) -> 
 
 def characteristic_function(shell: Shell, velocity: npt.ArrayLike, width: float) -> FloatArray:
     """G of eq:DSVkernel on the bins of the shell, (n, nw); `width` is a, in rad per unit time."""
-    positive_branch, negative_branch = (np.exp(-2 * ((shell.omega - centre[:, None]) / width) ** 2)
-                                        for centre in _centres(shell, velocity))
+    positive_branch, negative_branch = (
+        np.exp(-2 * ((shell.omega - centre[:, None]) / width) ** 2) for centre in _centres(shell, velocity)
+    )
     return positive_branch + negative_branch
 
 
@@ -165,8 +178,8 @@ def another_basin(shell: Shell, found: FloatArray, score: float, width: float, u
     peaks &= np.hypot(*np.moveaxis(lattice - found, -1, 0)) > spacing
     for index in np.argwhere(peaks)[np.argsort(-scores[peaks], kind="stable")][:6]:
         other, _, arrived = _ascend(shell, lattice[tuple(index)], width, unit)
-        if (arrived and np.hypot(*other) <= reach
-                and normalized_scalar_product(shell, other, width) > score * (1 + 1e-9)):
+        higher = normalized_scalar_product(shell, other, width) > score * (1 + 1e-9)
+        if arrived and higher and np.hypot(*other) <= reach:
             return True
     return False
 
@@ -179,9 +192,12 @@ def optimum(shell: Shell, width: float, unit: float, *, search: bool = True) -> 
     if shell.is_empty:
         return nothing(Note.NO_SIGNAL)
     simplex = np.array([[0.0, 0.0], [START, 0.0], [0.0, START]])
-    fit = minimize(lambda c: -normalized_scalar_product(shell, c * unit, width), simplex[0], method="Nelder-Mead",
-                   options={"initial_simplex": simplex, "xatol": 1e-8, "fatol": np.inf, "maxfev": 5000,
-                            "maxiter": 5000})
+    fit = minimize(
+        lambda c: -normalized_scalar_product(shell, c * unit, width),
+        simplex[0],
+        method="Nelder-Mead",
+        options={"initial_simplex": simplex, "xatol": 1e-8, "fatol": np.inf, "maxfev": 5000, "maxiter": 5000},
+    )
     velocity, steps, arrived = _ascend(shell, fit.x * unit, width, unit)
     evaluations = int(fit.nfev) + steps
     has_left = leaves_the_band(_centres(shell, velocity)[0], shell.omega[-1])
@@ -199,9 +215,17 @@ def optimum(shell: Shell, width: float, unit: float, *, search: bool = True) -> 
     return Optimum(velocity, score, gradient, hessian, evaluations, note)
 
 
-def extract(spectrum: Spectrum, wavenumbers: npt.ArrayLike, *, gravity: float = 1.0, water: Water | None = None,
-            peak_wavenumber: float | None = None, width: float = WIDTH, half_width: float = HALF_WIDTH,
-            search: bool = True) -> Extraction:
+def extract(
+    spectrum: Spectrum,
+    wavenumbers: npt.ArrayLike,
+    *,
+    gravity: float = 1.0,
+    water: Water | None = None,
+    peak_wavenumber: float | None = None,
+    width: float = WIDTH,
+    half_width: float = HALF_WIDTH,
+    search: bool = True,
+) -> Extraction:
     """Doppler shift velocities by the normalized scalar product (sec:NSP), one for each wavenumber (n,).
 
     `water` is the law of dispersion, by default that of deep water of some `gravity`.
@@ -214,5 +238,6 @@ def extract(spectrum: Spectrum, wavenumbers: npt.ArrayLike, *, gravity: float = 
     if peak_wavenumber is not None:
         positive("nsp.extract", peak_wavenumber=peak_wavenumber)
     a, water = width * spectrum.grid.frequency_resolution, water or Water(gravity)
-    return collect("nsp", k, [optimum(shell_at(spectrum, k_i, water=water, half_width=half_width), a,
-                                      velocity_unit(k_i, water, peak_wavenumber), search=search) for k_i in k])
+    shells = (shell_at(spectrum, k_i, water=water, half_width=half_width) for k_i in k)
+    units = (velocity_unit(k_i, water, peak_wavenumber) for k_i in k)
+    return collect("nsp", k, [optimum(s, a, unit, search=search) for s, unit in zip(shells, units, strict=True)])

@@ -18,12 +18,14 @@ import numpy as np
 import numpy.typing as npt
 
 from leakref._base import FloatArray, IntArray, LeakrefError, finite, integer, positive
-from leakref.dispersion import DEEP, Scales, Water
 from leakref.currents import Current, UniformCurrent
+from leakref.dispersion import DEEP, Scales, Water
 from leakref.grid import Grid
 
-__all__ = ["INPUT_SPACING", "LARGEST_WAVENUMBER", "Components", "SeaState", "aligned_waves",
-           "directional_spreading", "jonswap", "uniform_phases"]
+__all__ = [
+    "INPUT_SPACING", "LARGEST_WAVENUMBER", "Components", "SeaState", "aligned_waves", "directional_spreading",
+    "jonswap", "uniform_phases",
+]  # fmt: skip
 
 INPUT_SPACING = 0.341
 """Lattice spacing of the input waves in units of 1 / L (sec:parameters, decision D10)."""
@@ -67,8 +69,8 @@ class Components:
 
     def to_units(self, scales: Scales) -> Components:
         """From scaled units to those of `scales`."""
-        return Components(self.kx * scales.wavenumber, self.ky * scales.wavenumber, self.omega * scales.frequency,
-                          self.amplitude * scales.length, self.phase)
+        kx, ky = self.kx * scales.wavenumber, self.ky * scales.wavenumber
+        return Components(kx, ky, self.omega * scales.frequency, self.amplitude * scales.length, self.phase)
 
     def separated(self) -> tuple[FloatArray, IntArray, FloatArray, IntArray] | None:
         """The lattice behind the waves: kx = a[i], ky = b[j], as (a, i, b, j).
@@ -130,8 +132,8 @@ class SeaState:
     def __post_init__(self) -> None:
         finite("SeaState", "direction", self.direction)
         if not hasattr(self.current, "doppler_shift_velocity"):
-            raise LeakrefError("SeaState", f"current = {self.current!r} is no current",
-                               "give UniformCurrent((Ux, Uy)), or another one with a doppler_shift_velocity")
+            remedy = "give UniformCurrent((Ux, Uy)), or another one with a doppler_shift_velocity"
+            raise LeakrefError("SeaState", f"current = {self.current!r} is no current", remedy)
         positive("SeaState", spread=self.spread, peakedness=self.peakedness, length=self.length)
         if self.spread > 360:
             raise LeakrefError("SeaState", f"spread = {self.spread} degrees", "give a full width of at most 360")
@@ -154,18 +156,24 @@ class SeaState:
         energy = DEEP.density_factor(k) * jonswap(DEEP.frequency(k), self.peakedness) * f * dk**2
         i, j, k, energy = (values[energy > 0] for values in (i, j, k, energy))
         if not k.size:
-            raise LeakrefError("SeaState.components", f"no lattice point lies within the spread of {self.spread} "
-                               f"degrees at length {self.length}", "widen the spread or enlarge the domain")
+            fault = f"no lattice point lies within the spread of {self.spread} degrees at length {self.length}"
+            raise LeakrefError("SeaState.components", fault, "widen the spread or enlarge the domain")
         shift = finite("SeaState.components", "the Doppler shift velocity", self.current.doppler_shift_velocity(k))
         if shift.shape != (k.size, 2):
-            raise LeakrefError("SeaState.components", f"the current gave velocities of shape {shift.shape} for "
-                               f"{k.size} wavenumbers", "give two components (x, y) for each")
+            fault = f"the current gave velocities of shape {shift.shape} for {k.size} wavenumbers"
+            raise LeakrefError("SeaState.components", fault, "give two components (x, y) for each")
         omega = DEEP.frequency(k) + dk * (i * shift[:, 0] + j * shift[:, 1])
         return Components(dk * i, dk * j, omega, np.sqrt(energy), uniform_phases(int(realization), i, j))
 
 
-def aligned_waves(grid: Grid, bins: Sequence[tuple[int, int, int]], *, amplitude: Sequence[float] = (1.0, 0.7),
-                  phase: Sequence[float] = (0.3, 1.9), gravity: float = 1.0) -> tuple[Components, FloatArray]:
+def aligned_waves(
+    grid: Grid,
+    bins: Sequence[tuple[int, int, int]],
+    *,
+    amplitude: Sequence[float] = (1.0, 0.7),
+    phase: Sequence[float] = (0.3, 1.9),
+    gravity: float = 1.0,
+) -> tuple[Components, FloatArray]:
     """One or two waves exactly on bins (i, j, m) of `grid`, and the uniform current (2,) that puts them there.
 
     Two waves that are not parallel fix the current: omega0(k) + k.U = m domega is a 2x2 system. One wave
@@ -176,8 +184,9 @@ def aligned_waves(grid: Grid, bins: Sequence[tuple[int, int, int]], *, amplitude
     number = np.asarray(bins)
     outside = 2 * np.abs(number) >= np.asarray(grid.shape)
     if number.shape[1:] != (3,) or not np.array_equal(number, np.rint(number)) or outside.any():
-        raise LeakrefError("aligned_waves", f"bins {list(bins)} are not all on the grid, short of its Nyquist bins "
-                           f"{tuple(n // 2 for n in grid.shape)}", "give whole numbers (i, j, m) within them")
+        nyquist = tuple(n // 2 for n in grid.shape)
+        fault = f"bins {list(bins)} are not all on the grid, short of its Nyquist bins {nyquist}"
+        raise LeakrefError("aligned_waves", fault, "give whole numbers (i, j, m) within them")
     k = number[:, :2] * np.asarray(grid.bin_widths[:2])
     omega = number[:, 2] * grid.frequency_resolution
     if len(bins) == 2 and abs(np.linalg.det(number[:, :2].astype(float))) < 0.5:

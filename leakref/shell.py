@@ -22,8 +22,10 @@ from leakref.dispersion import DEEP, Water
 from leakref.spectrum import Spectrum
 from leakref.window import window
 
-__all__ = ["EDGE_MARGIN", "HALF_WIDTH", "Extraction", "Note", "Optimum", "Shell", "checked_wavenumbers", "collect",
-           "nothing", "shell_at", "velocity_unit"]
+__all__ = [
+    "EDGE_MARGIN", "HALF_WIDTH", "Extraction", "Note", "Optimum", "Shell", "checked_wavenumbers", "collect",
+    "nothing", "shell_at", "velocity_unit",
+]  # fmt: skip
 
 HALF_WIDTH = 2.0
 """Half width of a shell in dk (app:numdetails)."""
@@ -126,11 +128,9 @@ def nothing(note: Note, evaluations: int = 0) -> Optimum:
 
 def collect(method: str, wavenumbers: FloatArray, found: list[Optimum]) -> Extraction:
     """One record of the optima of all shells."""
-    velocities, score, gradient, hessian, evaluations = (
-        np.array([getattr(one, name) for one in found])
-        for name in ("velocity", "score", "gradient", "hessian", "evaluations"))
-    return Extraction(method, wavenumbers, velocities, score, gradient, hessian, evaluations,
-                      tuple(one.note for one in found))
+    names = ("velocity", "score", "gradient", "hessian", "evaluations")
+    c, n, slope, bend, count = (np.array([getattr(one, name) for one in found]) for name in names)
+    return Extraction(method, wavenumbers, c, n, slope, bend, count, tuple(one.note for one in found))
 
 
 def checked_wavenumbers(wavenumbers: npt.ArrayLike, call: str = "extract") -> FloatArray:
@@ -144,8 +144,8 @@ def checked_wavenumbers(wavenumbers: npt.ArrayLike, call: str = "extract") -> Fl
 
 def _leaked(spectrum: Spectrum, distances: tuple[IntArray, IntArray, IntArray]) -> FloatArray:
     """How much of a wave may be seen this many bins away from it along each axis, (n,), (n,) and (nw,): (n, nw)."""
-    x, y, t = (window(spectrum.window).sidelobe_envelope(d, n)
-               for d, n in zip(distances, spectrum.grid.shape, strict=True))
+    taper, sizes = window(spectrum.window), spectrum.grid.shape
+    x, y, t = (taper.sidelobe_envelope(d, n) for d, n in zip(distances, sizes, strict=True))
     return (x * y)[:, None] * t
 
 
@@ -166,16 +166,16 @@ def shell_at(spectrum: Spectrum, wavenumber: float, *, water: Water = DEEP, half
     spectrum, or that holds no bin.
     """
     positive("shell_at", wavenumber=wavenumber, half_width=half_width)
-    grid = spectrum.grid
+    grid, reaches = spectrum.grid, f"the shell around k = {wavenumber:.6g} reaches"
     dk = grid.wavenumber_resolution
     outer, nyquist = wavenumber + half_width * dk, min(grid.nyquist[:2])
     if outer >= nyquist * (1 - EDGE_MARGIN):
-        raise LeakrefError("shell_at", f"the shell around k = {wavenumber:.6g} reaches to {outer:.6g}, past the "
-                           f"Nyquist wavenumber {nyquist:.6g}", f"ask for k below {nyquist - half_width * dk:.6g}")
+        fault = f"{reaches} to {outer:.6g}, past the Nyquist wavenumber {nyquist:.6g}"
+        raise LeakrefError("shell_at", fault, f"ask for k below {nyquist - half_width * dk:.6g}")
     here = min((np.abs(spectrum.i).max() + 1) * grid.bin_widths[0], (np.abs(spectrum.j).max() + 1) * grid.bin_widths[1])
     if outer + EDGE_MARGIN * dk >= here:  # the first bin that is not here would be in the shell
-        raise LeakrefError("shell_at", f"the shell around k = {wavenumber:.6g} reaches to {outer:.6g}, the "
-                           f"spectrum only to below {here:.6g}", "make the spectrum with a larger largest_wavenumber")
+        fault = f"{reaches} to {outer:.6g}, the spectrum only to below {here:.6g}"
+        raise LeakrefError("shell_at", fault, "make the spectrum with a larger largest_wavenumber")
     k = np.hypot(*np.meshgrid(spectrum.kx, spectrum.ky, indexing="ij"))
     a, b = np.nonzero(np.abs(k - wavenumber) / dk <= half_width + EDGE_MARGIN)
     if not a.size:
@@ -184,9 +184,9 @@ def shell_at(spectrum: Spectrum, wavenumber: float, *, water: Water = DEEP, half
     largest, (i, j, m) = spectrum.strongest
     floor = None
     if not np.any((spectrum.i[a] == i) & (spectrum.j[b] == j)):
-        wave, mirror = (_leaked(spectrum, (spectrum.i[a] + sign * i, spectrum.j[b] + sign * j, grid.bins(2) + sign * m))
-                        for sign in (-1, 1))
+        distances = ((spectrum.i[a] + s * i, spectrum.j[b] + s * j, grid.bins(2) + s * m) for s in (-1, 1))
+        wave, mirror = (_leaked(spectrum, distance) for distance in distances)
         floor = largest * (wave + mirror)
-    return Shell(float(wavenumber), float(water.frequency(wavenumber)), spectrum.kx[a], spectrum.ky[b],
-                 water.frequency(k[a, b]), spectrum.omega, spectrum.half_weight, magnitude, floor,
-                 not magnitude.max() > _ROUNDING * largest)
+    kx, ky, intrinsic, frequency = spectrum.kx[a], spectrum.ky[b], water.frequency(k[a, b]), water.frequency(wavenumber)
+    weight, is_empty, k_i = spectrum.half_weight, not magnitude.max() > _ROUNDING * largest, float(wavenumber)
+    return Shell(k_i, float(frequency), kx, ky, intrinsic, spectrum.omega, weight, magnitude, floor, is_empty)

@@ -70,8 +70,8 @@ class Spectrum:
     def whole(self) -> ComplexArray:
         """Both halves: (nx, ny, nt) in the order of numpy's fftfreq, ascending in +k, +omega."""
         if self.values.shape[:2] != self.grid.shape[:2]:
-            raise LeakrefError("Spectrum.whole", f"only {self.values.shape[:2]} of {self.grid.shape[:2]} bins are here",
-                               "make the spectrum with all its bins")
+            fault = f"only {self.values.shape[:2]} of {self.grid.shape[:2]} bins are here"
+            raise LeakrefError("Spectrum.whole", fault, "make the spectrum with all its bins")
         nt = self.grid.shape[2]
         mirrored = np.conj(self.values[np.ix_(-self.i, -self.j)])[:, :, nt - nt // 2 - 1 : 0 : -1]
         half = self.values[:, :, : nt - nt // 2]
@@ -79,8 +79,9 @@ class Spectrum:
         return np.concatenate([half, nyquist, mirrored], axis=2)
 
 
-def fourier(surface: npt.ArrayLike, grid: Grid, window: str = "hann", *, workers: int | None = None,
-            **sampling: Any) -> Spectrum:
+def fourier(
+    surface: npt.ArrayLike, grid: Grid, window: str = "hann", *, workers: int | None = None, **sampling: Any
+) -> Spectrum:
     """Taper and transform a surface eta[x, y, t] of shape `grid.shape`: the spectrum on all bins (sec:leakage).
 
     A forward transform in time would put a wave at (k, -omega); taking the conjugate between the
@@ -89,8 +90,8 @@ def fourier(surface: npt.ArrayLike, grid: Grid, window: str = "hann", *, workers
     """
     eta = finite("fourier", "surface", surface, 3)
     if eta.shape != grid.shape:
-        raise LeakrefError("fourier", f"the surface has shape {eta.shape}, the grid {grid.shape}",
-                           "pass the grid the surface was sampled on, axes in the order x, y, t")
+        remedy = "pass the grid the surface was sampled on, axes in the order x, y, t"
+        raise LeakrefError("fourier", f"the surface has shape {eta.shape}, the grid {grid.shape}", remedy)
     wx, wy, wt = (named_window(window).samples(n, **sampling) for n in grid.shape)
     threads = -1 if workers is None else workers
     tapered = eta * wt

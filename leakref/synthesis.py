@@ -13,8 +13,9 @@ __all__ = ["synthesize"]
 _BUFFER = 2**24  # complex numbers held besides the surface itself
 
 
-def synthesize(components: Components, x: npt.ArrayLike, y: npt.ArrayLike, t: npt.ArrayLike, *,
-               out: FloatArray | None = None) -> FloatArray:
+def synthesize(
+    components: Components, x: npt.ArrayLike, y: npt.ArrayLike, t: npt.ArrayLike, *, out: FloatArray | None = None
+) -> FloatArray:
     """The surface eta[x, y, t] = sum of a cos(kx x + ky y - omega t + phase), shape (nx, ny, nt), float64.
 
     `x`, `y`, `t` are the coordinates of the samples, (nx,), (ny,), (nt,). The sum over ky is a matrix product

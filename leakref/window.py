@@ -90,8 +90,12 @@ class Window:
         return np.where(np.asarray(distance) % size == 0, 1.0, 1.1 * seen.max(axis=1))
 
 
-WINDOWS = {w.name: w for w in (Window("box", (1.0,)), Window("hann", (0.5, 0.5)),
-                               Window("blackman", (0.42, 0.5, 0.08)), Window("kaiser-bessel"))}
+WINDOWS = {w.name: w for w in (
+    Window("box", (1.0,)),
+    Window("hann", (0.5, 0.5)),
+    Window("blackman", (0.42, 0.5, 0.08)),
+    Window("kaiser-bessel"),
+)}  # fmt: skip
 """The windows of the paper by name: eq:hann and app:window_comparison."""
 
 

@@ -8,7 +8,8 @@ import pytest
 import leakref
 from leakref import (Components, Grid, LeakrefError, Note, SeaState, UniformCurrent, analyse, extract, fourier, leakage,
                      leastsquares, nsp, reference, shell_wavenumbers, synthesize, transform)
-from leakref.chain import Implementation, Reference
+from leakref.certify.subject.inprocess import Implementation
+from leakref.chain import Reference
 from leakref.methods import METHODS
 from leakref.window import WINDOWS
 

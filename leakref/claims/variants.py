@@ -78,10 +78,10 @@ def _simplex(options: str) -> tuple[tuple[Change, ...], tuple[Change, ...]]:
              Change("leastsquares", "np.linalg.solve(normal, k @ shift)",
                     f"minimize(lambda c: np.sum((c @ k - shift) ** 2), {rest}")),
             (Change("fast", "import numpy as np\n", scipy),
-             Change("fast", "return out[:2], float(out[2]), 2 * out[6:],",
+             Change("fast", "return Optimum(out[:2], float(out[2]), 2 * out[6:],",
                     "normal = out[[3, 4, 4, 5]].reshape(2, 2)\n        found = minimize(lambda c: out[2] + "
                     f"(c - out[:2]) @ normal @ (c - out[:2]), {rest}\n"
-                    "        return found, float(out[2]), 2 * out[6:],")))
+                    "        return Optimum(found, float(out[2]), 2 * out[6:],")))
 
 
 _MEASURE = """def _measure(shell):
@@ -121,12 +121,12 @@ VARIANTS: dict[str, Variant] = {v.id: v for v in (
     Variant("cut-at-3", "D4", "frequencies above omega = 3 left out",
             (Change("shell", "magnitude = np.abs(spectrum.values[a, b])",
                     "magnitude = np.abs(spectrum.values[a, b]) * (spectrum.omega <= 3 + 1e-9)"),
-             Change("shell", "spectrum.omega, spectrum.half_weight, magnitude",
-                    "spectrum.omega, spectrum.half_weight * (spectrum.omega <= 3 + 1e-9), magnitude")),
+             Change("shell", "spectrum.omega, weight, magnitude",
+                    "spectrum.omega, weight * (spectrum.omega <= 3 + 1e-9), magnitude")),
             (Change("fast", _SEEN, _SEEN.replace("magnitude", _LOW)),
              Change("fast", "self.even, m = grid.frequency_resolution, grid.shape[2] % 2 == 0, grid.bins(2)",
                     "self.even, m = grid.frequency_resolution, False, grid.bins(2)[: magnitude.shape[1]]"),
-             Change("fast", "self.disc.grid.bins(2) * self.step", "np.arange(self.magnitude.shape[1]) * self.step"),
+             Change("fast", "ring.centre, self.disc.grid.bins(2))", "ring.centre, np.arange(self.magnitude.shape[1]))"),
              Change("fast", "grid.shape[2] % 2 == 0, taps, powers", "False, taps, powers"))),
     Variant("whole-weights", "D5", "weight 1, not 1/2, on omega = 0 and the Nyquist plane",
             _one("spectrum", "np.where((m == 0) | (2 * m == self.grid.shape[2]), 0.5, 1.0)", "np.ones(m.size)"),
@@ -152,12 +152,11 @@ VARIANTS: dict[str, Variant] = {v.id: v for v in (
     Variant("threshold-of-amplitude", "D7", "LS keeps bins above 0.2 of the shell's largest sqrt P, not P",
             _one("leastsquares", "THRESHOLD = 0.2", "THRESHOLD = 0.2**2"), methods=("ls",)),
     Variant("threshold-of-all", "D7", "LS keeps bins above 0.2 of the largest P of the whole spectrum",
-            (Change("shell", "spectrum.half_weight, magnitude, floor",
-                    "spectrum.half_weight, magnitude / largest, floor"),
+            (Change("shell", "weight, magnitude, floor", "weight, magnitude / largest, floor"),
              Change("leastsquares", "(shell.magnitude / shell.magnitude.max()) ** 2", "shell.magnitude**2")),
-            _one("fast", "least_squares(ring, self.largest, threshold, out)",
+            _one("fast", "least_squares(ring, self.largest, threshold, ",
                  "least_squares(ring, self.largest, threshold * (self.largest.max() / "
-                 "self.largest[ring.columns].max()) ** 2, out)"), ("ls",)),
+                 "self.largest[ring.columns].max()) ** 2, "), ("ls",)),
     Variant("ls-by-simplex", "D8", "C minimised by Nelder-Mead, to 1e-8",
             *_simplex('"xatol": 1e-8, "fatol": 1e-8, "maxfev": 5000, "maxiter": 5000'), methods=("ls",)),
     Variant("ls-early-stop", "D8", "C minimised by Nelder-Mead, stopped at the defaults of MATLAB and SciPy: 1e-4 in c "

@@ -7,16 +7,36 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
+from leakref._base import ComplexArray, FloatArray
 from leakref.certify.subject.declaration import STAGES, Declaration
 from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Unanswered, Verdict
 from leakref.sea import Components
 
-__all__ = ["InProcess", "accepts", "call", "describe", "offer", "takes_wavenumbers"]
+__all__ = ["Implementation", "InProcess", "accepts", "call", "describe", "offer", "takes_wavenumbers"]
+
+
+class Implementation(Protocol):
+    """What can be judged: any subset of these methods (guide protocol, section 5). A bare function is `extract`."""
+
+    def describe(self) -> Mapping[str, object]: ...
+    def window(self, name: str, size: int) -> FloatArray: ...
+    def synthesize(self, components: Components, x: FloatArray, y: FloatArray, t: FloatArray) -> FloatArray: ...
+    def spectrum(self, surface: FloatArray, spacing: tuple[float, float, float], *, window: str) -> ComplexArray: ...
+    def extract(
+        self,
+        surface: FloatArray,
+        spacing: tuple[float, float, float],
+        wavenumbers: FloatArray,
+        *,
+        gravity: float,
+        window: str,
+        method: str,
+    ) -> FloatArray: ...
 
 
 class InProcess(Subject):
