@@ -604,7 +604,7 @@ PERCENT = [  # module, where in its source, the number to be 1 % off, the stage 
     ("leakage", "components.amplitude / 2", "2", "spectrum"),
     ("shell", "HALF_WIDTH = 2.0", "2.0", "shell"),
     ("nsp", "WIDTH = 4.0", "4.0", "characteristic"),
-    ("nsp", "np.exp(-2 * ((shell.omega", "2", "characteristic"),
+    ("nsp", "np.exp(-2 * ((shell.omega - centre", "2", "characteristic"),
     ("nsp", "g = np.exp(-2 * z**2)", "-2", "derivatives"),
     ("nsp", "(g, 4 * z / width * g,", "4", "derivatives"),
     ("nsp", "(16 * z**2 - 4)", "16", "derivatives"),
