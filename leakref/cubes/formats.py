@@ -23,7 +23,7 @@ from leakref._base import LeakrefError, Trouble
 
 __all__ = ["KNOWN", "WAVES", "TooLarge", "netcdf_library", "raw_variables", "refuse", "variables"]
 
-_DENSEST = 1032  # deflate shrinks no further: what claims to hold more than this many times its bytes lies
+_DENSEST = 1032  # deflate shrinks no further: what claims to hold more than this many times its bytes cannot
 _HEADER = 1 << 12  # bytes in which a variable says what it is; numpy's own limit is some more
 WAVES = ("kx", "ky", "omega", "amplitude", "phase")
 KNOWN = ("eta", "x", "y", "t", "gravity", *WAVES, "current", "peak_wavenumber", "units", "spacing", "dx", "dy", "dt")
