@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 __all__ = ["LARGEST", "ORDINARY", "ComplexArray", "Damaged", "FloatArray", "IntArray", "LeakrefError", "Trouble",
-           "finite", "integer", "levelled", "positive", "refusal", "vector"]
+           "finite", "installed_with", "integer", "levelled", "positive", "refusal", "vector"]
 
 FloatArray = npt.NDArray[np.floating[Any]]
 ComplexArray = npt.NDArray[np.complex128]
@@ -42,6 +42,15 @@ class Trouble(LeakrefError):
 
 class Damaged(Trouble):
     """What leakref brings along is not as it was made: nothing can be judged by it, and no code is to blame."""
+
+
+def installed_with(extra: str) -> str:
+    """How leakref is installed with an extra, for messages: from where it is, since it is on no index.
+
+    If that changes it is said here, in the README, and at the top of the files for CI, and nowhere else.
+    """
+    return (f"pip install 'leakref[{extra}] @ ADDRESS', the address being that of your checkout or wheel (file:///...) "
+            "or of a repository (git+https://...)")
 
 
 _ASKED = {errno.ENOENT, errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOTDIR, errno.EISDIR, errno.EEXIST, errno.EBUSY,

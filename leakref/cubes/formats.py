@@ -19,7 +19,7 @@ from typing import Any, BinaryIO, NoReturn
 
 import numpy as np
 
-from leakref._base import LeakrefError, Trouble
+from leakref._base import LeakrefError, Trouble, installed_with
 
 __all__ = ["KNOWN", "WAVES", "TooLarge", "netcdf_library", "raw_variables", "refuse", "variables"]
 
@@ -39,7 +39,7 @@ def netcdf_library() -> Any:
         raise LeakrefError(
             "netcdf",
             f"NetCDF needs {error.name}, which is not installed",
-            "pip install 'leakref[netcdf]', or use npz or mat",
+            f"use npz or mat, or {installed_with('netcdf')}",
         ) from None
     return xarray
 
