@@ -19,6 +19,7 @@ __all__ = [
     "LeakrefError",
     "Trouble",
     "finite",
+    "installed_with",
     "integer",
     "levelled",
     "positive",
@@ -56,6 +57,15 @@ class Trouble(LeakrefError):
 
 class Damaged(Trouble):
     """What leakref brings along is not as it was made: nothing can be judged by it, and no code is to blame."""
+
+
+def installed_with(extra: str) -> str:
+    """How leakref is installed with an extra, for messages: from where it is, since it is on no index.
+
+    If that changes it is said here, in the README, and at the top of the files for CI, and nowhere else.
+    """
+    return (f"pip install 'leakref[{extra}] @ ADDRESS', the address being that of your checkout or wheel (file:///...) "
+            "or of a repository (git+https://...)")
 
 
 _ASKED = {

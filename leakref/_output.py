@@ -92,7 +92,7 @@ def console() -> Console:
 def progress_bar(what: str, total: int | None) -> Iterator[Callable[[], None]]:
     """A bar with rate and time left (where the total is known), on a terminal; yields what to call after each step."""
     show = console()
-    if not show.is_terminal:  # a bar that nobody sees would still end its line
+    if not show.is_terminal:  # a bar would still end its line where none is shown
         yield lambda: None
         return
     from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn

@@ -12,9 +12,28 @@ from rich.markup import escape
 from leakref._base import Damaged, LeakrefError
 from leakref._output import dump, envelope
 
-__all__ = ["explain", "run"]
+__all__ = ["TERMS", "explain", "run"]
 
 Explanation = dict[str, Any]
+TERMS = {
+    "c0": "the phase velocity of the waves at the peak of the spectrum, the unit of velocities in all checks",
+    "|c - U|": "how far the velocity c that was found is from the true one, U, as a length",
+    "velocity resolution": "the smallest change of velocity that the cube can show: domega / k by the width of a bin "
+                           "in frequency (domega = 2 pi / duration), cg dk / k by that of a bin in wavenumber (dk = "
+                           "2 pi / length), where cg is the group velocity; one is smaller, one larger (eq:dcdwk)",
+    "nothing to note": "the reference has a velocity there and no reason to doubt it; a reason would be another "
+                       "velocity that scores higher, or an optimum that is flat (`leakref.Note` lists them)",
+    "NSP": "the paper's normalized scalar product, method `nsp`: the velocity with the highest score",
+    "score": "the value of what the NSP maximises, N of eq:normSp, as the reference computes it",
+    "least squares": "the paper's second method, `ls`: the velocity that fits the strongest bins best",
+    "whole band": 'codes that declare "resolves": "band" give one velocity for all wavenumbers together',
+    "on bins": "with a whole number of wavelengths and periods in the cube, so that they do not leak",
+    "shell": "the part of the spectrum within two bins of a wavenumber, in which its velocity is found",
+    "tapered": "multiplied by a window that falls to zero at the edges, such as Hann's",
+    "decision": "what leakref does where the paper leaves a choice; `leakref explain D19` prints that one",
+    "golden": "inputs and outputs that were computed by several routes and are kept with the package",
+}
+"""What words of a check mean, to a reader who has read nothing else."""
 
 
 def run(identifier: str | None, *, json: bool = False) -> bool:
@@ -29,6 +48,11 @@ def run(identifier: str | None, *, json: bool = False) -> bool:
     show.print(f"[bold]{escape(str(found['id']))}[/], {found['kind']}")
     for name, value in found.items():
         if name in ("id", "kind") or value in (None, "", [], {}):
+            continue
+        if name == "terms":
+            show.print("[dim]in these words:[/]")
+            for term, words in value.items():
+                show.print(f"    [dim]{escape(term)}:[/] {escape(words)}", soft_wrap=True)
             continue
         show.print(f"[dim]{name.replace('_', ' ')}:[/] {escape(_text(value))}", soft_wrap=True)
     return True
@@ -87,9 +111,20 @@ def _check(identifier: str) -> Explanation | None:
     one = {"case": {"id": case.id, **case.given}, "profile": "quick" if case.quick else "full"} if rest else {
         "cases": [case.id for _, case in matches]}
     target = f"'{c.id}[{case.id}]'" if rest else c.id
-    return {"id": identifier, "kind": "a check", "family": c.family, "reason": c.reason, "equation": c.label,
-            "stage": c.stage, "tolerance": c.tolerance, **one, "faults": _killed_by(c.id),
+    return {"id": identifier, "kind": "a check", "family": c.family, "reason": c.reason, **_stands(c.label),
+            "stage": c.stage, "tolerance": c.tolerance, "terms": _terms(f"{c.reason} {c.tolerance}"),
+            **one, "faults": _killed_by(c.id),
             "repro": f"leakref certify TARGET --only {target} --keep FOLDER"}
+
+
+def _stands(label: str) -> dict[str, str]:
+    """What a check leans on: an equation or a section of the paper, or the protocol."""
+    return {"rule": "leakref guide protocol, section 8"} if label == "protocol" else {"equation": label}
+
+
+def _terms(said: str) -> dict[str, str]:
+    """What those words mean that occur in what is said of a check."""
+    return {term: words for term, words in TERMS.items() if term in said}
 
 
 def _killed_by(check: str) -> list[str]:
@@ -127,7 +162,7 @@ def _variant(identifier: str) -> Explanation | None:
     variant = VARIANTS.get(identifier.removeprefix("variant:"))
     if variant is None:
         return None
-    return {"id": variant.id, "kind": "a correct variant, which must not be rejected", "words": variant.words,
+    return {"id": variant.id, "kind": "a correct alternative code, which must not be rejected", "words": variant.words,
             "grade": variant.grade, "try": f"leakref certify variant:{variant.id}"}
 
 

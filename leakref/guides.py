@@ -11,8 +11,8 @@ from leakref._output import dump, envelope
 
 __all__ = ["TOPICS", "run", "text", "titles"]
 
-TOPICS = ("certificate", "python", "octave", "cpp", "shell", "protocol", "real-codes", "pytest", "tracking",
-          "decisions", "adding")
+TOPICS = ("certificate", "python", "octave", "cpp", "shell", "protocol", "real-codes", "pytest", "tracking", "data",
+          "paper", "decisions", "adding")
 """In the order in which one would read them."""
 
 

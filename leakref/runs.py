@@ -19,7 +19,7 @@ import numpy as np
 from threadpoolctl import ThreadpoolController
 
 from leakref import ensemble, kept, sources
-from leakref._base import FloatArray, IntArray, LeakrefError, Trouble
+from leakref._base import FloatArray, IntArray, LeakrefError, Trouble, installed_with
 from leakref.cases import REALIZATIONS, Configuration
 from leakref.methods import METHODS
 from leakref.ending import Workers
@@ -160,7 +160,7 @@ def connected(address: str) -> Iterator[Executor]:
         from distributed.comm import CommClosedError
     except ModuleNotFoundError:
         raise LeakrefError("connected", "dask.distributed is not installed",
-                           "pip install 'leakref[distributed]'") from None
+                           installed_with("distributed")) from None
     try:
         client = Client(address, timeout=10)
     except (OSError, ValueError, TimeoutError) as error:

@@ -15,7 +15,7 @@ from leakref.certify import commands
 from leakref.certify.certificate import schema
 from leakref.certify.runner import select
 from leakref.certify.verdict import Finding, Verdict
-from leakref.explain import explain
+from leakref.explain import TERMS, explain
 
 ODD = """
 import numpy as np
@@ -125,14 +125,36 @@ def test_lists_and_schema_are_printed():
 
 @pytest.mark.parametrize(("identifier", "kind"), [
     ("signs", "a family of checks"), ("signs.sea", "a check"), ("signs.sea[to-22.5]", "a check"),
-    ("exchanged-axes", "a fault"), ("fault:exchanged-axes", "a fault"), ("bfgs", "a correct variant"),
+    ("exchanged-axes", "a fault"), ("fault:exchanged-axes", "a fault"), ("bfgs", "a correct alternative"),
     ("A4", "a claim of the paper"), ("D4", "a decision"), ("D12", "a decision"), ("window-hann-7", "a golden value")])
-def test_every_kind_of_id_is_explained(identifier, kind):
+def test_every_kind_of_id_is_explain(identifier, kind):
     found = explain(identifier)
     assert str(found["kind"]).startswith(kind)
     assert len(found) > 3
     with pytest.raises(LeakrefError, match=r"perhaps .* is meant"):
         explain(identifier + "s")
+
+
+BAD = ("room", "from rest", "around rest", "bare", "cry wolf", "cries wolf", " lies", "nobody")
+"""Words that a reader who has read nothing else does not understand, or that are not plain."""
+
+
+def test_what_is_said_of_a_check_is_whole_sentences_in_plain_words():
+    for check in {c.id: c for c, _ in chosen()}.values():
+        for said in (check.reason, check.tolerance):
+            assert said[0].isupper(), check.id
+            assert said.endswith("."), check.id
+            assert ";;" not in said.replace("..", ";;"), check.id
+            assert not [word for word in BAD if word in said.lower()], check.id
+        found = explain(check.id)
+        assert ("c0" in check.tolerance) <= ("c0" in found["terms"])
+    assert "the phase velocity" in explain("signs.sea")["terms"]["c0"]
+    assert {"NSP", "velocity resolution"} <= set(explain("leakage.still")["terms"])
+
+
+def test_every_word_that_is_explained_occurs():
+    said = " ".join(f"{c.reason} {c.tolerance}" for c, _ in chosen())
+    assert [term for term in TERMS if term not in said] == []
 
 
 def test_explain_prints_words_or_json():

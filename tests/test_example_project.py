@@ -27,7 +27,7 @@ FAMILIES = ("signs", "recovery", "behaviour")
 
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory) -> Path:
-    """The scripts of an environment with the wheel, the example, pytest and hypothesis, and nothing of the tree."""
+    """The scripts of an environment with the wheel, its extra for pytest and the example, and nothing of the tree."""
     folder = tmp_path_factory.mktemp("installed")
     for part in ("leakref", "properties", "golden"):
         shutil.copytree(ROOT / part, folder / "tree" / part, ignore=shutil.ignore_patterns("__pycache__"))
@@ -38,8 +38,8 @@ def installed(tmp_path_factory) -> Path:
     wheel, = folder.glob("*.whl")
     venv.create(folder / "venv", with_pip=True)
     scripts = folder / "venv" / ("Scripts" if os.name == "nt" else "bin")
-    subprocess.run([scripts / "python", "-m", "pip", "install", "-q", wheel, folder / "example", "pytest>=8",
-                    "hypothesis>=6.100"], check=True)
+    subprocess.run([scripts / "python", "-m", "pip", "install", "-q", f"leakref[pytest] @ {wheel.as_uri()}",
+                    folder / "example"], check=True)
     shutil.rmtree(folder / "tree")
     return scripts
 
@@ -102,6 +102,8 @@ def test_the_files_for_ci_run_the_same_and_leave_no_way_to_be_green_for_nothing(
     (github, variables), (gitlab, others) = jobs(tmp_path).values()
     assert github == gitlab
     assert variables["TARGET"] == others["TARGET"] == "adapter:Code"
+    assert variables["LEAKREF"] == others["LEAKREF"]
+    assert [line for line in github if "pip install" in line] == ['python -m pip install "leakref[pytest] @ $LEAKREF"']
     assert "full" in variables["PROFILE"]
     assert not [line for line in github if "||" in line or line.endswith("; true")]
     workflow = yaml.safe_load((tmp_path / ".github" / "workflows" / "leakref.yml").read_text())

@@ -14,10 +14,13 @@ import pytest
 from tools import requires
 
 from leakref import Grid, LeakrefError, aligned_waves, guides, synthesize
+from leakref._base import installed_with
 from leakref.certify.certificate import schema
 from leakref.certify.subject import child, protocol
 from leakref.certify.subject.declaration import Declaration
-from leakref.certify.targets import Limits, connect
+from leakref.certify.subject.inprocess import InProcess
+from leakref.certify.runner import run_check
+from leakref.certify.targets import Limits, connect, load
 from leakref.certify.verdict import Verdict
 from leakref.window import WINDOWS
 
@@ -133,13 +136,42 @@ def sections(topic):
     return {int(number) for number in re.findall(r"^## (\d+)\. ", text, re.MULTILINE)}
 
 
-def test_no_document_is_named_that_is_not_there():
+def texts():
+    """All that is written in the project but for the golden values, by its path."""
     files = [path for folder in FOLDERS for path in sorted((PROJECT / folder).rglob("*")) if path.suffix in TEXTS]
     files += [PROJECT / name for name in ("README.md", "CHANGELOG.md", "pyproject.toml", ".ci/run")]
     assert len(files) > 200
-    vain = {path.relative_to(PROJECT).as_posix(): found for path in files
-            if (found := named_in_vain(path.read_text(encoding="utf-8")))}
-    assert vain == {}
+    return {path.relative_to(PROJECT).as_posix(): path.read_text(encoding="utf-8") for path in files}
+
+
+def test_no_document_is_named_that_is_not_there():
+    assert {path: found for path, words in texts().items() if (found := named_in_vain(words))} == {}
+
+
+def test_nothing_says_that_leakref_comes_from_an_index():
+    """It is on none: an address goes with its name. Only one place in the package says how it is installed."""
+    said = {path: found for path, words in texts().items()
+            if (found := re.findall(r"pip install [^\n]*leakref[^\n]*", words)) and not path.startswith("tests/")}
+    wrong = {path: line for path, lines in said.items() for line in lines
+             if not re.search(r"leakref(\[[^]]*\])? @ |/leakref-\*\.whl|install --quiet \. && ", line)}
+    assert wrong == {}
+    assert [path for path in said if path.endswith(".py")] == ["leakref/_base.py"]
+    assert "leakref[netcdf] @ ADDRESS" in installed_with("netcdf")
+    extras = re.findall(r"^(\w+) = \[", texts()["pyproject.toml"], re.MULTILINE)
+    (listed,) = re.findall(r"^Extras: (.*)$", texts()["README.md"], re.MULTILINE)
+    assert set(quoted(listed)) | {"test", "lint"} <= set(extras)
+
+
+def test_the_readme_is_what_is_seen():
+    """The wrong code that it shows, and the pictures that it names."""
+    readme = (PROJECT / "README.md").read_text(encoding="utf-8")
+    finding = run_check("signs.sea[to-22.5]", InProcess(load("fault:exchanged-axes")))
+    assert f"    fail {finding.id} ({finding.over:.3g} times the tolerance)\n      {finding.message}\n" in readme
+    pictures = re.findall(r"!\[[^]]*\]\(([^)]*)\)", readme)
+    assert len(pictures) == 2
+    assert all(0 < (PROJECT / picture).stat().st_size < 150_000 for picture in pictures)
+    assert len([line for line in readme.splitlines() if line.startswith("python3 -m venv")]) == 2
+    assert readme.index("fault:exchanged-axes") < readme.index("python3 -m venv") < 6000
 
 
 @pytest.mark.parametrize("words", [  # in pieces, so that this file names none of them

@@ -73,7 +73,7 @@ def certify(
         except BaseException:
             deque(_taken(waiting), maxlen=0)
             for session in subjects:
-                getattr(session, "interrupt", bool)()  # nobody waits for what they are at
+                getattr(session, "interrupt", bool)()  # what they are at is not waited for
             raise
     findings = [found[number] for number in range(len(checks))]
     findings += _left_over([subject, *opened])

@@ -15,7 +15,7 @@ NEXT = {"python": "leakref certify adapter:Code",
         "octave": 'leakref certify --command "octave-cli --quiet --no-init-file adapter.m"',
         "shell": 'leakref certify --command "sh adapter.sh"',
         "cpp": "make && leakref certify --command ./adapter",
-        "ci": "git add .github/workflows/leakref.yml .gitlab-ci.yml"}
+        "ci": "set LEAKREF and TARGET at the top of each, then git add .github/workflows/leakref.yml .gitlab-ci.yml"}
 """By kind, what to do next in the folder."""
 _PLACES = {"github.yml": ".github/workflows/leakref.yml", "gitlab.yml": ".gitlab-ci.yml"}
 

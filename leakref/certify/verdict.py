@@ -39,7 +39,7 @@ class Finding:
     """One check on one case. `digits` of agreement where a number was compared; `repro` shows how to see it again.
 
     `figures` are the numbers behind the message, by name, for reports and for the study of the suite's strength;
-    `over` is the effect over the tolerance: above 1 it fails. `calls` are the answers if it did not pass, for the
+    `over` is the error over the tolerance: above 1 it fails. `calls` are the answers if it did not pass, for the
     diagnosis.
     """
 

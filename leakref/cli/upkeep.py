@@ -127,7 +127,7 @@ def track_null(
     workers: Workers = 0,
     json: Json = False,
 ) -> bool:
-    """How often compare cries wolf, and what it sees: 2,150 comparisons without a change (half an hour; resumed)."""
+    """How often compare raises a false alarm, and what it sees: 2,150 comparisons without a change (half an hour)."""
     from leakref.track.falsealarms import run
 
     return run(out, place=place, workers=workers or os.cpu_count() or 1, json=json)

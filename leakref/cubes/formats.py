@@ -19,11 +19,11 @@ from typing import Any, BinaryIO, NoReturn
 
 import numpy as np
 
-from leakref._base import LeakrefError, Trouble
+from leakref._base import LeakrefError, Trouble, installed_with
 
 __all__ = ["KNOWN", "WAVES", "TooLarge", "netcdf_library", "raw_variables", "refuse", "variables"]
 
-_DENSEST = 1032  # deflate shrinks no further: what claims to hold more than this many times its bytes lies
+_DENSEST = 1032  # deflate shrinks no further: what claims to hold more than this many times its bytes cannot
 _HEADER = 1 << 12  # bytes in which a variable says what it is; numpy's own limit is some more
 WAVES = ("kx", "ky", "omega", "amplitude", "phase")
 KNOWN = ("eta", "x", "y", "t", "gravity", *WAVES, "current", "peak_wavenumber", "units", "spacing", "dx", "dy", "dt")
@@ -39,7 +39,7 @@ def netcdf_library() -> Any:
         raise LeakrefError(
             "netcdf",
             f"NetCDF needs {error.name}, which is not installed",
-            "pip install 'leakref[netcdf]', or use npz or mat",
+            f"use npz or mat, or {installed_with('netcdf')}",
         ) from None
     return xarray
 

@@ -1,7 +1,8 @@
-"""Golden values: where they are, that nobody changed them, and how far from them a number may be.
+"""Golden values: where they are, whether they are as they were made, and how far from them a number may be.
 
 A set is a folder `v1`, `v2`, ... of JSON files with a manifest; `golden/README.md` describes it for readers in any
-language. An entry has an id for ever, inputs, outputs, and for each output how many digits several routes agreed on.
+language. An entry has an id, which is never reused, inputs, outputs, and for each output how many digits several routes
+agreed on.
 
 **Tolerance.** One formula, `tolerance`: a margin of 8 times the rounding of float64, 2^-52, times the conditioning that
 the entry states: by how much, to first order and in the output's own unit, an output moves if every rounding on the

@@ -1,7 +1,8 @@
 """What golden vectors there are: for each its inputs and the class of mistake it exists for.
 
-To add one: append a line to `VECTORS` and run `leakref golden regenerate ID`. An id is for ever: a correction is a new
-id with `supersedes` set to the old one. Inputs are short decimals or follow from the grid; no output is written here.
+To add one: append a line to `VECTORS` and run `leakref golden regenerate ID`. An id is never reused: a correction is a
+new id with `supersedes` set to the old one. Inputs are short decimals or follow from the grid; no output is written
+here.
 """
 
 from __future__ import annotations

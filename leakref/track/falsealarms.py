@@ -1,4 +1,6 @@
-"""How often `leakref track compare` cries wolf, and whether it sees what it should: measured on stored realisations.
+"""How often `leakref track compare` raises a false alarm, and whether it sees what it should.
+
+Both are measured on stored realisations.
 
 **Null comparisons.** Unpaired: the hundred realisations of each configuration of the paper, split at random into two
 halves that share none. Paired: each sea in still water against its mirror image about the y axis, realisation by

@@ -205,7 +205,7 @@ def measure(subject: Subject, scenes: Sequence[Scene], realizations: range, *,
                 except Unanswered as nothing:
                     silent.setdefault((window, method), []).append(nothing.message)
             after_each()
-        subject.calls.clear()  # kept for diagnoses, which nobody asks for here
+        subject.calls.clear()  # kept for diagnoses, of which there are none here
         said += [f"{one.id}, {window}, {method}: no answer in {len(why)} of {len(realizations)} realisations; the "
                  f"first time: {printable(why[0])}" for (window, method), why in silent.items()]
         series += [_series(one, window, method, realizations.start, kept) for (window, method), kept in errors.items()

@@ -20,7 +20,7 @@ __all__ = ["check_deterministic", "check_input", "check_order", "check_past_nyqu
 
 SIZES = {"odd": Grid((47, 45, 75), (0.66, 0.7, 0.84)), "prime": Grid((43, 47, 71), (0.7, 0.65, 0.87)),
          "oblong": Grid((36, 60, 50), (0.8, 0.55, 1.1))}
-ABSOLUTE = "none: it either is so or is not"
+ABSOLUTE = "There is none: it either is so or is not."
 
 
 def _sea(*wavenumbers: float, grid: Grid = SEA) -> Cube:
@@ -58,7 +58,7 @@ def check_input(subject: Subject, case: Case) -> Outcome:
 @check("behaviour", "protocol", ABSOLUTE, [Case("twice")])
 def check_deterministic(subject: Subject, case: Case) -> Outcome:
     """The same input twice gives the same bits: a start drawn at random, or something kept from the call before, makes
-    a result that nobody can check."""
+    a result that cannot be checked."""
     cube, other = _sea(), inputs.sea(-100.0, 80.0, UniformCurrent((0.3, 0.0)), wavenumbers=(1.2, 1.7, 2.5))
     window = _any_window(subject)
 
@@ -76,8 +76,8 @@ def check_deterministic(subject: Subject, case: Case) -> Outcome:
     return each_method(subject, judge)
 
 
-@check("behaviour", "app:numdetails", "a tenth of the smaller resolution (eq:dcdwk): a start taken from the wavenumber "
-       "before may end elsewhere in the last digits", [
+@check("behaviour", "app:numdetails", "A velocity in c0 may differ by a tenth of the smaller of the two velocity "
+       "resolutions: a search that starts from the answer before may end elsewhere in the last digits.", [
            Case("shuffled", {"order": (1, 2, 0)}), Case("split", {"order": (0,)}),
            Case("reversed", {"order": (2, 1, 0)}, quick=False)])
 def check_order(subject: Subject, case: Case) -> Outcome:
@@ -141,7 +141,8 @@ def check_refuses(subject: Subject, case: Case) -> Outcome:
     return each_method(subject, judge)
 
 
-@check("behaviour", "eq:g", ABSOLUTE + "; a number there is reported and passes, NaN does not", [Case("past")])
+@check("behaviour", "eq:g", ABSOLUTE + " A number there is reported and passes; NaN or infinity does not.",
+       [Case("past")])
 def check_past_nyquist(subject: Subject, case: Case) -> Outcome:
     """Past the Nyquist wavenumber there is nothing to measure: an error or null says so, a number hides it."""
     if "wavenumbers" in subject.declaration.fixed or subject.declaration.band:

@@ -27,10 +27,11 @@ __all__ = ["PRECISION", "check_extract", "check_sea", "check_spectrum", "check_s
 
 PRECISION = 1e-5
 """Of the largest value: a hundred times what single precision rounds, a thousandth of an error of one percent."""
-CLOSE = ("1e-5 of the largest value: a hundred times the rounding of single precision, a thousandth of a constant that "
-         "is a percent off; digits beyond it are reported")
-SCORED = ("2e-4 c0, or for the NSP a score within a relative 1e-6 of the golden one's (optimisers are judged by "
-          "score); digits beyond it are reported, all of them within the golden tolerance")
+CLOSE = ("A value may be off by 1e-5 of the largest one: a hundred times the rounding of single precision, and a "
+         "thousandth of what a constant that is a percent off would do. The digits that agree are reported.")
+SCORED = ("A velocity may be off by 2e-4 c0, three times what optimisers with default tolerances were seen to miss by. "
+          "The NSP may instead have a score within a relative 1e-6 of the golden one's. The digits that agree are "
+          "reported, all of them where it is within the golden tolerance.")
 
 
 @cache
@@ -85,11 +86,11 @@ def check_surface(subject: Subject, case: Case) -> Outcome:
     return _agreement(subject.synthesize(_waves(entry), x, y, t), entry.output["eta"], entry.tolerance("eta"), "eta")
 
 
-@check("conformance", "sec:leakage", CLOSE + ". One common factor is fitted; a real S is taken as its magnitude",
-       _vectors("spectrum", "transform"), stage="spectrum")
+@check("conformance", "sec:leakage", CLOSE + " One common factor is fitted first, and a real S is taken for the "
+       "magnitude.", _vectors("spectrum", "transform"), stage="spectrum")
 def check_spectrum(subject: Subject, case: Case) -> Outcome:
-    """The spectrum of a surface: order and sign of all three axes, taper along each, waves beyond and near Nyquist,
-    frequencies below zero."""
+    """The spectrum of a surface: order and sign of all three axes, the window along each, waves beyond and near
+    Nyquist, frequencies below zero."""
     entry = _entry(case)
     spacing = tuple(entry.input["spacing"])
     golden = entry.output["real"] + 1j * entry.output["imag"]
@@ -106,7 +107,7 @@ def check_spectrum(subject: Subject, case: Case) -> Outcome:
 
 
 def _scored(cube: Cube, window: str, method: str, found: FloatArray, golden: FloatArray) -> FloatArray:
-    """Effect over tolerance at each wavenumber, (n,): by the velocity, or by the score if that is kinder."""
+    """Error over tolerance at each wavenumber, (n,): by the velocity, or by the score if that is kinder."""
     return as_good(np.hypot(*(found - golden).T) / EXACT, cube, window, method, found, golden)
 
 
@@ -160,7 +161,7 @@ def _sea(name: str) -> Cube:
 
 
 @check("conformance", "eq:normSp", SCORED.replace("golden one", "reference").replace("the golden tolerance", "1e-11 c0")
-       + ". Wavenumbers of which the reference notes something are left out", [
+       + " Wavenumbers at which the reference has something to note are left out.", [
            Case(f"{name}-{window}-{method}", {"sea": name, "window": window, "method": method},
                 quick=name in ("edges", "strong"))
            for name in ("edges", "odd", "narrow", "strong") for window in ("hann", "box") for method in ("nsp", "ls")])

@@ -22,6 +22,8 @@ from leakref.window import WINDOWS
 
 __all__ = [
     "EXACT",
+    "EXACTLY",
+    "EXACT_OR_SCORE",
     "FLATTER",
     "FRACTION",
     "IN_THE_MEAN",
@@ -53,14 +55,26 @@ FLATTER = 1e-6
 FRACTION = 0.1
 """Of the smaller resolution (eq:dcdwk): how near answers must be that ought to be the same."""
 NEVER = 1e6
-"""The effect over tolerance of what is either right or wrong."""
+"""The error over tolerance of what is either right or wrong."""
 TOLERANCE = (
-    "the larger resolution (eq:dcdwk), and for other methods than the NSP twice as much more as the reference's "
-    "least squares is off there"
+    "the larger of the two velocity resolutions. A method other than the NSP may err by more: by twice the error that "
+    "the reference itself makes there by least squares"
 )
 """`tolerance` in words."""
-IN_THE_MEAN = f"the mean error, over wavenumbers of which the reference notes nothing, is below the mean of {TOLERANCE}"
+IN_THE_MEAN = (
+    "The error |c - U| in c0, averaged over the wavenumbers at which the reference has nothing to note, may be as "
+    f"large as {TOLERANCE}."
+)
 """`in_the_mean` in words."""
+EXACT_OR_SCORE = (
+    "The error may be 2e-4 c0, three times what optimisers with default tolerances were seen to miss by. The NSP may "
+    "instead have a score within a relative 1e-6 of that of the exact velocity."
+)
+EXACTLY = EXACT_OR_SCORE + (
+    " A method that the reference does not have, or one velocity for the whole band, may be off by the smaller of the "
+    "two velocity resolutions."
+)
+"""`exactly` in words."""
 
 
 def tapered(subject: Subject) -> str:
@@ -129,7 +143,7 @@ def as_array(
 def exactly(
     subject: Subject, cube: Cube, window: str, method: str, found: FloatArray, should: FloatArray
 ) -> FloatArray:
-    """Effect over tolerance at each wavenumber, (n,), of velocities (n, 2) that are known exactly.
+    """Error over tolerance at each wavenumber, (n,), of velocities (n, 2) that are known exactly.
 
     `EXACT`, or for the NSP a score within `FLATTER` of that of the exact velocity, whichever is kinder. A method the
     reference does not have, or one velocity for the whole band, may be off by the smaller resolution.
@@ -143,7 +157,7 @@ def exactly(
 def as_good(
     over: FloatArray, cube: Cube, window: str, method: str, found: FloatArray, should: FloatArray
 ) -> FloatArray:
-    """Effect over tolerance (n,) by the score, where that is kinder: of methods that maximise one."""
+    """Error over tolerance (n,) by the score, where that is kinder: of methods that maximise one."""
     if method in METHODS and METHODS[method].score:
         for n in np.flatnonzero(over > 1):
             best, own = (score(cube, window, float(cube.wavenumbers[n]), c[n], method) for c in (should, found))

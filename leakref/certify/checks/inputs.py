@@ -27,7 +27,8 @@ __all__ = ["BRIEF", "EVEN", "GRIDS", "ODD", "PRIME", "SEA", "SHELLS", "Cube", "p
 SEA = Grid((50, 44, 80), (0.63, 0.68, 0.78))
 """Five peak wavelengths by ten periods, a tenth of a wavelength and an eighth of a period apart."""
 BRIEF = Grid((46, 42, 52), (0.62, 0.71, 0.43))
-"""Three and a half periods: the frequency bins are wide, and so are the currents that an optimiser finds from rest."""
+"""Three and a half periods: the frequency bins are wide, and so is the range in which a search from zero current finds
+one."""
 EVEN = Grid((28, 34, 96), (0.9, 0.7, 0.6))
 ODD = Grid((27, 35, 99), (0.93, 0.68, 0.58))
 PRIME = Grid((31, 29, 97), (0.77, 0.87, 0.61))

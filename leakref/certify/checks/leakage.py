@@ -19,12 +19,14 @@ from leakref.dispersion import DEEP
 from leakref.currents import UniformCurrent
 from leakref.grid import Grid
 from leakref.sea import Components
+from leakref.certify.checks.criteria import EXACTLY
 
 __all__ = ["MARGIN", "check_aligned", "check_bias", "check_flicker", "check_still", "check_swell"]
 
 MARGIN = 0.5
 """Of the mean smaller resolution: how much larger an error than the reference's may be in the mean."""
-WITHIN = IN_THE_MEAN + "; tapered the reference stays below a half of it, untapered it is above"
+WITHIN = IN_THE_MEAN + (" The reference stays below half of the tolerance if the cube is tapered, and is above it "
+                        "if not.")
 
 
 @check("leakage", "sec:leakage", WITHIN, [
@@ -33,15 +35,16 @@ WITHIN = IN_THE_MEAN + "; tapered the reference stays below a half of it, untape
     Case("broad", {"direction": 75.0, "spread": 90.0, "peakedness": 3.3, "realization": 1}),
     Case("medium", {"direction": 75.0, "spread": 45.0, "peakedness": 7.0, "realization": 5}, quick=False)])
 def check_still(subject: Subject, case: Case) -> Outcome:
-    """In still water a cube without a taper shows a current across a narrow sea, of the order of the phase speed of the
-    waves: a taper that is missing, or missing along one axis, is seen here."""
+    """In still water an untapered cube shows a current across a narrow sea, of the order of the phase speed of the
+    waves: a window that is missing, or missing along one axis, is seen here."""
     given = case.given
     cube = inputs.sea(given["direction"], given["spread"], None, realization=given["realization"],
                      peakedness=given["peakedness"], wavenumbers=(1.1, 1.25, 1.5, 1.8, 2.15, 2.5))
     return each_method(subject, lambda method: in_the_mean(subject, cube, tapered(subject), method))
 
 
-@check("leakage", "sec:leakage", WITHIN + " several times over", [
+@check("leakage", "sec:leakage", IN_THE_MEAN + " The reference stays below half of the tolerance if the cube is "
+       "tapered, and is several times above it if not.", [
     Case("low", {"at": (2.5, 1.5, 3.5)}), Case("lower", {"at": (1.5, 0.5, 2.5)}, quick=False)])
 def check_swell(subject: Subject, case: Case) -> Outcome:
     """A strong swell half-way between bins, far below the waves that are looked at: tapered it is not seen there,
@@ -69,8 +72,7 @@ def check_flicker(subject: Subject, case: Case) -> Outcome:
     return in_the_mean(subject, cube, tapered(subject), method)
 
 
-@check("leakage", "eq:normSp", "2e-4 c0, three times what optimisers at default tolerances miss; for the NSP also a "
-       "score within 1e-6 of that of rest. Other methods: the smaller resolution", [Case("rings")])
+@check("leakage", "eq:normSp", EXACTLY + " The exact velocity is zero.", [Case("rings")])
 def check_aligned(subject: Subject, case: Case) -> Outcome:
     """Waves of still water that lie on bins do not leak: whatever current is found comes from the code and not from
     the window, as when the dispersion relation is taken at the shell's wavenumber for all its bins."""
@@ -93,9 +95,10 @@ def _means(errors: FloatArray) -> list[float | None]:
             for column, there in zip(errors.T, np.isfinite(errors.T), strict=True)]
 
 
-@check("leakage", "sec:leakage", "mean over realisations of |c - U| less that of the reference on the same phases, "
-       "beyond half of the mean smaller resolution (other methods: the mean larger one) by Student's t at a rate of "
-       "1e-3 for a whole run, divided among its tests", [
+@check("leakage", "sec:leakage", "The error |c - U| in c0 may exceed the reference's in the same sea, in the mean over "
+       "wavenumbers and seas, by half of the smaller of the two velocity resolutions; that of a method that the "
+       "reference does not have, or of one velocity for the whole band, by the larger. It fails if Student's t-test "
+       "finds it above that, at a rate of false alarms of 1e-3 for a whole run, divided among the tests of the run.", [
            Case(f"{name}-{count}", {**given, "count": count}, quick=count == 6)
            for name, given in (("broad", {"direction": 75.0, "spread": 60.0, "speed": 0.0}),
                                ("narrow", {"direction": 60.0, "spread": 20.0, "speed": 0.0}),

@@ -20,8 +20,9 @@ __all__ = ["check_amplitude", "check_constant", "check_reversal", "check_shift",
 SAME, BACK = np.eye(2), -np.eye(2)
 MIRROR_X, MIRROR_Y = np.diag([-1.0, 1.0]), np.diag([1.0, -1.0])
 EXCHANGE, LEFT = np.array([[0.0, 1.0], [1.0, 0.0]]), np.array([[0.0, -1.0], [1.0, 0.0]])
-CLOSE = "a tenth of the smaller resolution (eq:dcdwk) where the reference notes nothing: the relation is exact, and " \
-        "room is left for an optimiser that stops early and for single precision"
+CLOSE = "A velocity in c0 may differ by a tenth of the smaller of the two velocity resolutions, at wavenumbers at " \
+        "which the reference has nothing to note. The relation is exact: the tenth is for optimisers that stop early " \
+        "and for single precision."
 WINDOWS = (("tapered", True), ("untapered", False))
 
 Change = Callable[[FloatArray, int], FloatArray]
@@ -106,7 +107,7 @@ def check_constant(subject: Subject, case: Case) -> Outcome:
 @check("metamorphic", "sec:leakage", CLOSE, [
     Case("untapered"), Case("untapered-far", {"steps": (23, -17, 41)}, quick=False)])
 def check_shift(subject: Subject, case: Case) -> Outcome:
-    """Without a taper a cube has no edge: shifted cyclically along all axes it has the same power. Something else than
-    the power gets into the answer, or a taper is applied although none was asked for."""
+    """An untapered cube has no edge: shifted cyclically along all axes it has the same power. Where this fails
+    something else than the power gets into the answer, or a window is applied although none was asked for."""
     steps = case.given.get("steps", (7, -5, 11))
     return _related(subject, case, lambda eta, _: np.roll(eta, steps, axis=(0, 1, 2)), SAME)

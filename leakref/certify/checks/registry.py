@@ -18,8 +18,8 @@ FAMILIES = {
     "metamorphic": "Metamorphic relations: a changed input changes the answer in a known way.",
     "leakage": "Leakage at zero current: what is measured in still water.",
     "currents": "Strong and opposing currents, up to where omega0 + k.U is negative.",
-    "shear": "Sheared currents: each wavenumber sees the depth-weighted current of eq:SJ.",
-    "scale": "Scale invariance: the same dimensionless sea at two peak wavenumbers.",
+    "shear": "Sheared currents: each wavenumber sees a depth-weighted current of its own (eq:SJ).",
+    "scale": "Scale invariance: the same sea, larger or smaller, has the same current in units of c0.",
     "synthesis": "Energy and statistics of a synthesised surface.",
     "conformance": "Conformance to the golden values, stage by stage.",
     "behaviour": "Behaviour: input untouched, deterministic, refuses what is not finite.",
@@ -39,7 +39,7 @@ class Case:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a check function found: the effect over the tolerance (`over` <= 1 passes), in words and in digits."""
+    """What a check function found: the error over the tolerance (`over` <= 1 passes), in words and in digits."""
 
     over: float
     message: str
@@ -94,7 +94,8 @@ def check(family: str, label: str, tolerance: str, cases: Iterable[Case], *,
           stage: str = "extract") -> Callable[[CheckFunction], Check]:
     """Register `check_name(subject, case) -> Outcome` as the check `family.name`; its docstring is the reason.
 
-    The function raises Unanswered where there is nothing to judge. `tolerance` says in words where it comes from.
+    The function raises Unanswered where there is nothing to judge. `tolerance` says in whole sentences how much
+    is allowed, in which unit, and where that comes from.
     """
 
     def register(function: CheckFunction) -> Check:

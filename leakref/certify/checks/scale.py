@@ -19,8 +19,9 @@ __all__ = ["check_duration", "check_peak"]
 LONG = Grid((40, 42, 144), (0.72, 0.7, 0.8))
 
 
-@check("scale", "sec:dimensions", "a tenth of the smaller resolution (eq:dcdwk) where the reference notes nothing: in "
-       "scaled units the two are one computation", [
+@check("scale", "sec:dimensions", "A velocity in c0 may differ by a tenth of the smaller of the two velocity "
+       "resolutions, at wavenumbers at which the reference has nothing to note. In scaled units the two seas are one "
+       "computation.", [
            Case(name + ("" if tapered else "-untapered"), {"scale": scale, "tapered": tapered}, quick=quick)
            for name, scale, quick in (("4", 4.0, True), ("sixteenth", 1 / 16, True), ("quarter", 0.25, False),
                                       ("16", 16.0, False)) for tapered in (True, False)])

@@ -40,8 +40,8 @@ def _each_wavenumber(subject: Subject) -> None:
         raise Unanswered(Verdict.UNSUPPORTED, "gives one velocity for the whole band: see shear.band")
 
 
-@check("shear", "eq:SJ", IN_THE_MEAN + "; the reference stays below a half of it, the same velocity at "
-       "all wavenumbers is a third above", CASES)
+@check("shear", "eq:SJ", IN_THE_MEAN + " The reference stays below half of the tolerance; a code that gives the same "
+       "velocity at all wavenumbers is a third above it.", CASES)
 def check_profile(subject: Subject, case: Case) -> Outcome:
     """Under a sheared current every wavenumber has a Doppler shift velocity of its own: a shell read at another
     wavenumber, or a current averaged over all of them, is off by more than the resolution at the ends."""
@@ -54,8 +54,9 @@ def _slope(cube: Cube, velocities: FloatArray, there: npt.NDArray[np.bool_]) -> 
     return np.polyfit(np.log(cube.wavenumbers[there]), velocities[there], 1)[0]
 
 
-@check("shear", "eq:SJ", "six tenths of the true change with log k: half-way to none and a little, twice what the "
-       "reference's least squares is off", CASES)
+@check("shear", "eq:SJ", "The change of the velocity with log k, in c0, may be off by six tenths of the true change: a "
+       "little more than half of the way to no change at all, and twice what the reference's least squares is off.",
+       CASES)
 def check_slope(subject: Subject, case: Case) -> Outcome:
     """Shorter waves feel the current nearer to the surface: the change with wavenumber must have the right sign and
     about the right size, not that of a profile upside down, nor none."""
@@ -75,7 +76,8 @@ def check_slope(subject: Subject, case: Case) -> Outcome:
     return each_method(subject, judge)
 
 
-@check("shear", "eq:SJ", "the smaller resolution (eq:dcdwk) around the range of the true velocities", CASES)
+@check("shear", "eq:SJ", "Each component, in c0, may be outside the range of the true velocities by the smaller of the "
+       "two velocity resolutions.", CASES)
 def check_band(subject: Subject, case: Case) -> Outcome:
     """One current for the whole band must lie within the range of those of its wavenumbers."""
     if not subject.declaration.band:

@@ -54,8 +54,9 @@ def _turned_away(found: FloatArray, should: FloatArray) -> Outcome:
     return _told(max(float((found - should) @ way / (way @ way)) for way in _ways(should)) / 0.4, found, should)
 
 
-@check("signs", "eq:SnJ", "two fifths of the way to any velocity that a slip of sign or order could give: correct "
-       "codes of all kinds go half as far, a component that is missing goes half-way", CASES)
+@check("signs", "eq:SnJ", "The velocity, in c0, may go two fifths of the way from the true one to any that a slip of "
+       "sign or order would give. Correct codes of all kinds were seen to go half as far; a code that loses one "
+       "component goes half of the way.", CASES)
 def check_sea(subject: Subject, case: Case) -> Outcome:
     """A transform forward in time, rows counted downwards or columns taken for rows turn the current of a sea into
     another one of the same speed: negated, one component flipped, x and y exchanged."""
@@ -70,11 +71,11 @@ def check_sea(subject: Subject, case: Case) -> Outcome:
     return each_method(subject, judge)
 
 
-@check("signs", "eq:SnJ", "half-way to the nearest velocity that a slip of sign or order could give: at least 0.08 c0, "
-       "and the answer is exact", CASES)
+@check("signs", "eq:SnJ", "The error may be half of the way from the true velocity to the nearest that a slip of sign "
+       "or order would give: 0.08 c0 at least. The true velocity is known exactly.", CASES)
 def check_aligned(subject: Subject, case: Case) -> Outcome:
-    """Two waves on bins leave no room for leakage: a sign slip in the 2 x 2 solve, which a sea may hide in one
-    component, shows here whatever the window does."""
+    """Two waves on bins do not leak: a sign slip in the 2 x 2 solve, which a sea may hide in one component, shows here
+    whatever the window does."""
     cube = inputs.pair(inputs.EVEN, (5, 3), (-2, 5), polar(SPEED, case.given["direction"]))
     window = untapered(subject)
 

@@ -28,7 +28,7 @@ class Excess:
 
     @property
     def over(self) -> float:
-        """Effect over tolerance: above 1 the mean exceeds the limit."""
+        """Error over tolerance: above 1 the mean exceeds the limit."""
         return max(self.mean, 0.0) / self.limit
 
 

@@ -16,7 +16,8 @@ __all__ = ["PRECISION", "check_energy", "check_linearity", "check_mean_energy", 
 
 PRECISION = 1e-4
 """Of the sum of the amplitudes: ten times what single precision rounds phases of a hundred radians by."""
-SINGLE = "1e-4 of the amplitude: ten times what single precision rounds phases of a hundred radians by"
+SINGLE = ("A sample of the surface may be off by 1e-4 of the amplitude, or of the sum of the amplitudes where there "
+          "are several waves: ten times what single precision rounds phases of a hundred radians by.")
 NAMES = tuple(Components.__dataclass_fields__)
 GRID = Grid((24, 20, 36), (0.9, 1.1, 0.7))
 
@@ -69,7 +70,7 @@ def check_single(subject: Subject, case: Case) -> Outcome:
     return _compared(subject, one, _axes(GRID))
 
 
-@check("synthesis", "sec:spectrum", SINGLE + "; a sum of waves by as much of the sum of their amplitudes", [
+@check("synthesis", "sec:spectrum", SINGLE, [
     Case("lattice"), Case("scattered"), Case("backwards"), Case("oblong"),
     Case("two", quick=False)], stage="synthesize")
 def check_sum(subject: Subject, case: Case) -> Outcome:
@@ -95,8 +96,8 @@ def _aligned(count: int, which: int) -> Components:
     return Components(kx, ky, omega, 0.1 + (n * np.sqrt(2) % 1), 2 * np.pi * ((n + 1) * np.sqrt(3 + which) % 1))
 
 
-@check("synthesis", "eq:amplitudes", "1e-4 of the energy, as for the surface", [Case("40", {"count": 40}),
-                                                                              Case("80", {"count": 80}, quick=False)],
+@check("synthesis", "eq:amplitudes", "The mean square may be off by 1e-4 of the sum of a^2 / 2, as the surface may be "
+       "off by 1e-4 of its amplitudes.", [Case("40", {"count": 40}), Case("80", {"count": 80}, quick=False)],
        stage="synthesize")
 def check_energy(subject: Subject, case: Case) -> Outcome:
     """Waves on different bins are orthogonal: the mean square of the surface is the sum of a^2 / 2 to rounding. Random
@@ -107,7 +108,8 @@ def check_energy(subject: Subject, case: Case) -> Outcome:
                    "sum of a^2 / 2", figures={"ratio": mean / waves.variance})
 
 
-@check("synthesis", "eq:amplitudes", "5 % of the energy, which thirty waves on bins hold exactly in each surface",
+@check("synthesis", "eq:amplitudes", "The mean energy may be off by 5 % of what was asked for, which thirty waves on "
+       "bins hold exactly in each surface; what is looked for is a third.",
        [Case("eight-surfaces")], stage="synthesize")
 def check_mean_energy(subject: Subject, case: Case) -> Outcome:
     """The energy asked for, in the mean of several surfaces with the same amplitudes and other phases: amplitudes that

@@ -148,7 +148,7 @@ class Child:
     def words(self) -> str:
         """The last of what it wrote to standard error, or else of what it printed beside the protocol; maybe empty.
 
-        Before it what kept a line from being read as one of the protocol, which nobody can see.
+        Before it what kept a line from being read as one of the protocol: that cannot be seen in the line itself.
         """
         lines = self._errors.decode("utf-8", "replace").strip().splitlines()[-3:] or list(self._noise)[-3:]
         return printable(" | ".join([*[self._unreadable] * bool(self._unreadable), *lines]))
