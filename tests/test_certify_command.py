@@ -140,7 +140,7 @@ BAD = ("room", "from rest", "around rest", "bare", "cry wolf", "cries wolf", " l
 
 
 def test_what_is_said_of_a_check_is_whole_sentences_in_plain_words():
-    for check in {c.id: c for c, _ in chosen()}.values():
+    for check in {c.id: c for c, _ in select()}.values():
         for said in (check.reason, check.tolerance):
             assert said[0].isupper(), check.id
             assert said.endswith("."), check.id
@@ -153,7 +153,7 @@ def test_what_is_said_of_a_check_is_whole_sentences_in_plain_words():
 
 
 def test_every_word_that_is_explained_occurs():
-    said = " ".join(f"{c.reason} {c.tolerance}" for c, _ in chosen())
+    said = " ".join(f"{c.reason} {c.tolerance}" for c, _ in select())
     assert [term for term in TERMS if term not in said] == []
 
 
@@ -167,7 +167,7 @@ def test_explain_prints_words_or_json():
 
 
 def test_conformance_alone_rejects_no_code(monkeypatch, capsys):
-    monkeypatch.setattr(commands, "explained", lambda found, **how: found)
+    monkeypatch.setattr(commands, "explain", lambda found, **how: found)
     assert commands.run(commands.Request("fault:narrow-width", None, only=["conformance.extract[nsp-oblong]"])) == 1
     said = capsys.readouterr().out
     assert "conformance by itself rejects no code" in said
@@ -194,7 +194,7 @@ def test_a_diagnosis_that_is_interrupted_leaves_the_findings(monkeypatch, capsys
     def impatient(*args, **kwargs):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(commands, "explained", impatient)
+    monkeypatch.setattr(commands, "explain", impatient)
     with pytest.raises(KeyboardInterrupt):  # which is exit status 130
         commands.run(commands.Request("fault:flipped-y", None, only=["signs.sea[to-22.5]"]))
     shown = capsys.readouterr()
