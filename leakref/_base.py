@@ -64,8 +64,10 @@ def installed_with(extra: str) -> str:
 
     If that changes it is said here, in the README, and at the top of the files for CI, and nowhere else.
     """
-    return (f"pip install 'leakref[{extra}] @ ADDRESS', the address being that of your checkout or wheel (file:///...) "
-            "or of a repository (git+https://...)")
+    return (
+        f"pip install 'leakref[{extra}] @ ADDRESS', the address being that of your checkout or wheel (file:///...) "
+        "or of a repository (git+https://...)"
+    )
 
 
 _ASKED = {

@@ -19,8 +19,11 @@ def prepare() -> None:
     In a container the package often belongs to root and there is no home. What is made for them then is handed down
     to processes started from here, and goes with this one.
     """
-    lacking = [name for name, has_a_place in (("NUMBA_CACHE_DIR", _of_numba()), ("MPLCONFIGDIR", _of_matplotlib()))
-               if not has_a_place]
+    lacking = [
+        name
+        for name, has_a_place in (("NUMBA_CACHE_DIR", _of_numba()), ("MPLCONFIGDIR", _of_matplotlib()))
+        if not has_a_place
+    ]
     if not lacking:
         return
     try:

@@ -70,8 +70,10 @@ def _fault(error: BaseException) -> str:
     if isinstance(error, MemoryError):
         return f"not enough memory ({said}); use fewer --workers, or a machine with more"
     if isinstance(error, OSError):
-        remedy = {errno.ENOSPC: "make room, or let TMPDIR name a folder that has some",
-                  errno.EMFILE: "allow more open files (ulimit -n)"}
+        remedy = {
+            errno.ENOSPC: "make room, or let TMPDIR name a folder that has some",
+            errno.EMFILE: "allow more open files (ulimit -n)",
+        }
         return f"{said}; {remedy.get(error.errno or 0, 'see to that and try again')}"
     return f"a fault of its own, {type(error).__name__}: {said}; please report it"
 

@@ -54,8 +54,12 @@ def folder(path: Path) -> Path:
         with tempfile.TemporaryFile(dir=path):
             return path
     except OSError as error:
-        raise refusal("write", f"nothing can be written to {path} ({error.strerror or error})",
-                      "choose a folder you may write to with --out", error) from None
+        raise refusal(
+            "write",
+            f"nothing can be written to {path} ({error.strerror or error})",
+            "choose a folder you may write to with --out",
+            error,
+        ) from None
 
 
 def write_whole(path: Path, write: Callable[[Path], object]) -> Path:
@@ -76,8 +80,12 @@ def write_whole(path: Path, write: Callable[[Path], object]) -> Path:
             with suppress(FileNotFoundError):
                 beside.unlink()
     except OSError as error:
-        raise refusal("write", f"{path} cannot be written ({error.strerror or error})",
-                      "choose a folder you may write to that has room", error) from None
+        raise refusal(
+            "write",
+            f"{path} cannot be written ({error.strerror or error})",
+            "choose a folder you may write to that has room",
+            error,
+        ) from None
     return path
 
 
@@ -98,8 +106,14 @@ def progress_bar(what: str, total: int | None) -> Iterator[Callable[[], None]]:
     from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
     from rich.progress import Progress as Bar
 
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rate]}"),
-               TimeElapsedColumn(), TimeRemainingColumn())
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("{task.fields[rate]}"),
+        TimeElapsedColumn(),
+        TimeRemainingColumn(),
+    )
     bar: Progress
     with Bar(*columns, console=show, transient=True) as bar:
         task = bar.add_task(what, total=total, rate="")

@@ -59,8 +59,9 @@ class _Altered(importlib.abc.MetaPathFinder, importlib.abc.Loader):
     def exec_module(self, module: ModuleType) -> None:
         part = self._own(module.__name__)
         source = _changed(part, [change for change in self.changes if change.module == part])
-        own = re.sub(rf"^(\s*from )leakref(?!\.(?:{'|'.join(_SHARED)})\b)([. ])", rf"\1{self.name}\2", source,
-                     flags=re.MULTILINE)
+        own = re.sub(
+            rf"^(\s*from )leakref(?!\.(?:{'|'.join(_SHARED)})\b)([. ])", rf"\1{self.name}\2", source, flags=re.MULTILINE
+        )
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", SyntaxWarning)  # what is planted need not make sense
             code = compile(own, f"<{self.name}.{part}>", "exec")
@@ -77,8 +78,11 @@ def _changed(part: str, changes: Sequence[Change]) -> str:
     source = _file(part).read_text(encoding="utf-8")
     for change in changes:
         if (count := source.count(change.old)) != 1 or change.old == change.new:
-            raise LeakrefError("altered", f"{change.old!r} occurs {count} times in {part}.py",
-                               "bring the change up to date with the source")
+            raise LeakrefError(
+                "altered",
+                f"{change.old!r} occurs {count} times in {part}.py",
+                "bring the change up to date with the source",
+            )
         source = source.replace(change.old, change.new)
     return source
 
@@ -93,9 +97,11 @@ def _alterable(*entries: str) -> list[str]:
 @cache
 def _compiled() -> dict[str, set[str]]:
     """The compiled modules, and for each whose changes reach it."""
-    return {part: {module.partition(".")[2] for module in sources.reach(f"{_PACKAGE}.{part}")} - {*_SHARED}
-            for part in _alterable("fast", "cases")
-            if any(name == "njit" for _, name in sources.imports(_file(part).read_text("utf-8"))[2])}
+    return {
+        part: {module.partition(".")[2] for module in sources.reach(f"{_PACKAGE}.{part}")} - {*_SHARED}
+        for part in _alterable("fast", "cases")
+        if any(name == "njit" for _, name in sources.imports(_file(part).read_text("utf-8"))[2])
+    }
 
 
 @cache

@@ -20,8 +20,16 @@ __all__ = ["CASES", "REALIZATIONS", "Configuration", "configurations"]
 
 REALIZATIONS = 100
 """Realisations of every configuration in the paper (sec:parameters)."""
-_SHORT = {"direction": "direction", "spread": "spread", "peakedness": "peakedness", "length": "L", "duration": "T",
-          "speed": "current", "current_direction": "current_direction", "rotation": "rotation"}
+_SHORT = {
+    "direction": "direction",
+    "spread": "spread",
+    "peakedness": "peakedness",
+    "length": "L",
+    "duration": "T",
+    "speed": "current",
+    "current_direction": "current_direction",
+    "rotation": "rotation",
+}
 
 
 @dataclass(frozen=True)
@@ -48,8 +56,9 @@ class Configuration:
     def __post_init__(self) -> None:
         for name in ("direction", "speed", "current_direction", "rotation"):
             finite("Configuration", name, getattr(self, name))
-        positive("Configuration", spread=self.spread, peakedness=self.peakedness, length=self.length,
-                 duration=self.duration)
+        positive(
+            "Configuration", spread=self.spread, peakedness=self.peakedness, length=self.length, duration=self.duration
+        )
 
     @property
     def id(self) -> str:
@@ -95,10 +104,10 @@ def _with_currents(rotation: float) -> tuple[Configuration, ...]:
 
 CASES: dict[str, tuple[Configuration, ...]] = {
     "nsp-ls": (Configuration("nsp-ls", direction=75.0),),
-    "theta0-dtheta": _vary(Configuration("theta0-dtheta"), direction=(60.0, 75.0, 90.0),
-                           spread=(15.0, 30.0, 45.0, 60.0)),
-    "gamma": _vary(Configuration("gamma", direction=60.0), spread=(15.0, 30.0, 45.0, 60.0),
-                   peakedness=(1.0, 3.3, 7.0)),
+    "theta0-dtheta": _vary(
+        Configuration("theta0-dtheta"), direction=(60.0, 75.0, 90.0), spread=(15.0, 30.0, 45.0, 60.0)
+    ),
+    "gamma": _vary(Configuration("gamma", direction=60.0), spread=(15.0, 30.0, 45.0, 60.0), peakedness=(1.0, 3.3, 7.0)),
     "L-T": _vary(Configuration("L-T"), length=(5.0, 10.0, 20.0), duration=(10.0, 20.0, 80.0)),
     "U": _with_currents(0.0) + _with_currents(30.0),
     "windows": (Configuration("windows", windows=("box", "hann", "blackman", "kaiser-bessel")),),
@@ -117,7 +126,10 @@ def configurations(ids: Iterable[str]) -> list[Configuration]:
         found = list(CASES.get(name, ())) or ([known[name]] if name in known else [])
         if not found:
             near = [c for c in known if c.startswith(name.split("/")[0] + "/")][:4] or list(CASES)
-            raise LeakrefError("configurations", f"no case is called {name!r}",
-                               f"try {', '.join(near)}; `leakref reproduce --list` prints all")
+            raise LeakrefError(
+                "configurations",
+                f"no case is called {name!r}",
+                f"try {', '.join(near)}; `leakref reproduce --list` prints all",
+            )
         chosen.update((c.id, c) for c in found)
     return list(chosen.values())

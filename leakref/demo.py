@@ -11,20 +11,19 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 
-from leakref.shell import Extraction
 from leakref import chain
 from leakref._base import FloatArray
 from leakref._output import console, dump, envelope, folder, progress_bar, write_whole
 from leakref.cases import Configuration, configurations
-from leakref.certify.runner import select
+from leakref.certify.report import page as render
+from leakref.certify.runner import certify, select
 from leakref.certify.strength.diagnosis import explain
 from leakref.certify.strength.faults import FAULTS
 from leakref.certify.subject.inprocess import InProcess
-from leakref.certify.runner import certify
-from leakref.certify.report import page as render
 from leakref.certify.targets import load
 from leakref.ensemble import Ensemble
 from leakref.paper.reproduce import table
+from leakref.shell import Extraction
 
 __all__ = ["CASE", "run"]
 
@@ -43,8 +42,10 @@ def run(out: Path, *, json: bool = False) -> bool:
     folder(out)
     configuration = replace(configurations([CASE])[0], varied=())
     wavenumbers = configuration.wavenumbers[::2]
-    console().print(f"Still water, a narrow sea travelling at {configuration.direction:g}°: {_REALIZATIONS} videos of "
-                    f"{' x '.join(map(str, configuration.grid.shape))} samples, {wavenumbers.size} wavenumbers each.")
+    console().print(
+        f"Still water, a narrow sea travelling at {configuration.direction:g}°: {_REALIZATIONS} videos of "
+        f"{' x '.join(map(str, configuration.grid.shape))} samples, {wavenumbers.size} wavenumbers each."
+    )
     ensembles, spectra, velocities = _measure(configuration, wavenumbers)
     title = f"Measured in still water, where nothing should be: {_REALIZATIONS} realisations"
     pictures = save(result_figure(list(ensembles.values()), title), out / "demo")
@@ -54,13 +55,23 @@ def run(out: Path, *, json: bool = False) -> bool:
     high = wavenumbers > 1.2
     spurious, cured = float(np.mean((box > larger)[high])), float(np.mean((hann < smaller)[high]))
     steps: list[dict[str, Any]] = [
-        {"name": "FFT of the surface against closed form of the leakage, difference over the largest |S|",
-         "ok": spectra <= _SPECTRA, "figure": spectra},
-        {"name": "velocities by both routes, largest difference in c0", "ok": velocities <= _VELOCITIES,
-         "figure": velocities},
-        {"name": "untapered: share of wavenumbers above 1.2 whose spurious current exceeds both resolutions",
-         "ok": spurious > 0.5, "figure": spurious},
-        {"name": "tapered: share of them where it is below the smaller resolution", "ok": cured > 0.5, "figure": cured}]
+        {
+            "name": "FFT of the surface against closed form of the leakage, difference over the largest |S|",
+            "ok": spectra <= _SPECTRA,
+            "figure": spectra,
+        },
+        {
+            "name": "velocities by both routes, largest difference in c0",
+            "ok": velocities <= _VELOCITIES,
+            "figure": velocities,
+        },
+        {
+            "name": "untapered: share of wavenumbers above 1.2 whose spurious current exceeds both resolutions",
+            "ok": spurious > 0.5,
+            "figure": spurious,
+        },
+        {"name": "tapered: share of them where it is below the smaller resolution", "ok": cured > 0.5, "figure": cured},
+    ]
     certified, page = _certify(out)
     steps += certified
     ok = all(step["ok"] for step in steps)
@@ -74,12 +85,16 @@ def run(out: Path, *, json: bool = False) -> bool:
         figure = step["figure"] if isinstance(step["figure"], str) else f"{step['figure']:.2g}"
         show.print(f"{verdict}  {step['name']}: {figure}", soft_wrap=True)
     worst = int(np.argmax(np.where(high, box, 0)))
-    show.print(f"\nThere is no current, yet without a window one of {box[worst]:.2f} c0 is measured at k = "
-               f"{wavenumbers[worst]:.1f}, {box[worst] / smaller[worst]:.0f} times the resolution: energy of the "
-               f"spectral peak, leaked along the axes of the transform. A Hann window brings it down to "
-               f"{hann[worst]:.3f} c0.\n")
-    show.print(f"Picture: {pictures[0]}\nCertificate of the code with the planted fault, to open in a browser: {page}",
-               soft_wrap=True)
+    show.print(
+        f"\nThere is no current, yet without a window one of {box[worst]:.2f} c0 is measured at k = "
+        f"{wavenumbers[worst]:.1f}, {box[worst] / smaller[worst]:.0f} times the resolution: energy of the "
+        f"spectral peak, leaked along the axes of the transform. A Hann window brings it down to "
+        f"{hann[worst]:.3f} c0.\n"
+    )
+    show.print(
+        f"Picture: {pictures[0]}\nCertificate of the code with the planted fault, to open in a browser: {page}",
+        soft_wrap=True,
+    )
     return ok
 
 
@@ -90,17 +105,26 @@ def _certify(out: Path) -> tuple[list[dict[str, Any]], Path]:
     with progress_bar("checks of the reference, and of a planted fault", 2 * len(checks)) as step:
         for target in ("reference", f"fault:{_FAULT}"):
             subject = InProcess(load(target))
-            found[target] = certify(target, [nullcontext(subject)], checks, profile="quick",
-                                    after_each=lambda finding: step())
+            found[target] = certify(
+                target, [nullcontext(subject)], checks, profile="quick", after_each=lambda finding: step()
+            )
     with progress_bar("faults compared with what fell short", None) as step:
         caught = explain(found[f"fault:{_FAULT}"], after_each=step)
     page = write_whole(out / "certificate.html", partial(_write_text, render(caught)))
     named = bool(caught.diagnosis) and caught.diagnosis[0]["fault"] == _FAULT
     right = found["reference"]
-    return [{"name": f"the reference certified by {len(checks)} checks", "ok": right.grade == "conformant",
-             "figure": str(right.grade)},
-            {"name": f"a planted fault ({FAULTS[_FAULT].words}) caught and named", "ok": caught.status == 1 and named,
-             "figure": f"{caught.grade}; {caught.explanation}"}], page
+    return [
+        {
+            "name": f"the reference certified by {len(checks)} checks",
+            "ok": right.grade == "conformant",
+            "figure": str(right.grade),
+        },
+        {
+            "name": f"a planted fault ({FAULTS[_FAULT].words}) caught and named",
+            "ok": caught.status == 1 and named,
+            "figure": f"{caught.grade}; {caught.explanation}",
+        },
+    ], page
 
 
 def _write_text(text: str, path: Path) -> None:
@@ -129,7 +153,15 @@ def _measure(configuration: Configuration, wavenumbers: FloatArray) -> tuple[dic
                     plain = [not one and not two for one, two in zip(mine.notes, other.notes, strict=True)]
                     velocities = max(velocities, float(np.abs(mine.velocities - other.velocities)[plain].max()))
                 step()
-    ensembles = {name: Ensemble(configuration, name, "nsp", wavenumbers, np.array([e.velocities for e in all_of_it]),
-                                np.array([[note.value for note in e.notes] for e in all_of_it]))
-                 for name, all_of_it in found.items()}
+    ensembles = {
+        name: Ensemble(
+            configuration,
+            name,
+            "nsp",
+            wavenumbers,
+            np.array([e.velocities for e in all_of_it]),
+            np.array([[note.value for note in e.notes] for e in all_of_it]),
+        )
+        for name, all_of_it in found.items()
+    }
     return ensembles, spectra, velocities

@@ -12,8 +12,8 @@ from leakref import fast
 from leakref._base import FloatArray, IntArray
 from leakref.cases import Configuration
 from leakref.chain import analyse, transform
-from leakref.methods import METHODS
 from leakref.dispersion import velocity_resolutions
+from leakref.methods import METHODS
 from leakref.shell import Extraction, Note
 
 __all__ = ["Ensemble", "realize"]
@@ -80,11 +80,22 @@ class Ensemble:
         """As in the JSON of `leakref reproduce` (guide protocol, section 14)."""
         frequency, wavenumber = self.resolutions
         flagged = {name: self.noted(note) for note in Note for name in note.names if self.noted(note).any()}
-        return {"case": self.configuration.id, "window": self.window, "method": self.method,
-                "wavenumbers": self.wavenumbers, "bias": self.bias, "random": self.random,
-                "mean": self.mean, "standard_error": self.standard_error, "resolution_frequency": frequency,
-                "resolution_wavenumber": wavenumber, "realizations": len(self.velocities), "count": self.count,
-                "current": self.configuration.current, "flagged": flagged}
+        return {
+            "case": self.configuration.id,
+            "window": self.window,
+            "method": self.method,
+            "wavenumbers": self.wavenumbers,
+            "bias": self.bias,
+            "random": self.random,
+            "mean": self.mean,
+            "standard_error": self.standard_error,
+            "resolution_frequency": frequency,
+            "resolution_wavenumber": wavenumber,
+            "realizations": len(self.velocities),
+            "count": self.count,
+            "current": self.configuration.current,
+            "flagged": flagged,
+        }
 
 
 def _mean(values: FloatArray) -> FloatArray:
@@ -92,8 +103,9 @@ def _mean(values: FloatArray) -> FloatArray:
     return np.where(count == 0, np.nan, np.nansum(values, axis=0) / np.maximum(count, 1))
 
 
-def realize(configuration: Configuration, realization: int, *, methods: Sequence[str] = tuple(METHODS),
-            route: str = "B") -> dict[tuple[str, str], Extraction]:
+def realize(
+    configuration: Configuration, realization: int, *, methods: Sequence[str] = tuple(METHODS), route: str = "B"
+) -> dict[tuple[str, str], Extraction]:
     """One realisation: an Extraction for each (window, method), by route A (surface and FFT) or B (closed form).
 
     Route A is the plain chain, route B its compiled twin.

@@ -19,10 +19,10 @@ TERMS = {
     "c0": "the phase velocity of the waves at the peak of the spectrum, the unit of velocities in all checks",
     "|c - U|": "how far the velocity c that was found is from the true one, U, as a length",
     "velocity resolution": "the smallest change of velocity that the cube can show: domega / k by the width of a bin "
-                           "in frequency (domega = 2 pi / duration), cg dk / k by that of a bin in wavenumber (dk = "
-                           "2 pi / length), where cg is the group velocity; one is smaller, one larger (eq:dcdwk)",
+    "in frequency (domega = 2 pi / duration), cg dk / k by that of a bin in wavenumber (dk = "
+    "2 pi / length), where cg is the group velocity; one is smaller, one larger (eq:dcdwk)",
     "nothing to note": "the reference has a velocity there and no reason to doubt it; a reason would be another "
-                       "velocity that scores higher, or an optimum that is flat (`leakref.Note` lists them)",
+    "velocity that scores higher, or an optimum that is flat (`leakref.Note` lists them)",
     "NSP": "the paper's normalized scalar product, method `nsp`: the velocity with the highest score",
     "score": "the value of what the NSP maximises, N of eq:normSp, as the reference computes it",
     "least squares": "the paper's second method, `ls`: the velocity that fits the strongest bins best",
@@ -65,9 +65,14 @@ def explain(identifier: str) -> Explanation:
         if found is not None:
             return found
     near = get_close_matches(identifier, list(dict.fromkeys(_names())), 4, 0.5)
-    raise LeakrefError("explain", f"nothing is called {identifier!r}",
-                       f"perhaps {' or '.join(near)} is meant" if near else "ids are those of checks, faults, "
-                       "variants, claims (A4), decisions (D4) and golden values; without one they are listed")
+    raise LeakrefError(
+        "explain",
+        f"nothing is called {identifier!r}",
+        f"perhaps {' or '.join(near)} is meant"
+        if near
+        else "ids are those of checks, faults, "
+        "variants, claims (A4), decisions (D4) and golden values; without one they are listed",
+    )
 
 
 def _text(value: Any) -> str:
@@ -82,15 +87,16 @@ def _list(*, json: bool) -> bool:
     if json:
         print(dump(envelope("explain", True, ids=ids)))
     else:
-        Console().print("[dim]Checks and their families, faults, variants, claims, decisions:[/]\n"
-                        + escape(", ".join(ids)))
+        Console().print(
+            "[dim]Checks and their families, faults, variants, claims, decisions:[/]\n" + escape(", ".join(ids))
+        )
     return True
 
 
 def _names() -> Iterator[str]:
+    from leakref.certify.checks.registry import FAMILIES
     from leakref.certify.runner import select
     from leakref.certify.strength.faults import FAULTS
-    from leakref.certify.checks.registry import FAMILIES
     from leakref.certify.strength.variants import VARIANTS
     from leakref.claims import CLAIMS
     from leakref.decisions import DECISIONS
@@ -108,13 +114,25 @@ def _check(identifier: str) -> Explanation | None:
     if not matches:
         return None
     c, case = matches[0]
-    one = {"case": {"id": case.id, **case.given}, "profile": "quick" if case.quick else "full"} if rest else {
-        "cases": [case.id for _, case in matches]}
+    one = (
+        {"case": {"id": case.id, **case.given}, "profile": "quick" if case.quick else "full"}
+        if rest
+        else {"cases": [case.id for _, case in matches]}
+    )
     target = f"'{c.id}[{case.id}]'" if rest else c.id
-    return {"id": identifier, "kind": "a check", "family": c.family, "reason": c.reason, **_stands(c.label),
-            "stage": c.stage, "tolerance": c.tolerance, "terms": _terms(f"{c.reason} {c.tolerance}"),
-            **one, "faults": _killed_by(c.id),
-            "repro": f"leakref certify TARGET --only {target} --keep FOLDER"}
+    return {
+        "id": identifier,
+        "kind": "a check",
+        "family": c.family,
+        "reason": c.reason,
+        **_stands(c.label),
+        "stage": c.stage,
+        "tolerance": c.tolerance,
+        "terms": _terms(f"{c.reason} {c.tolerance}"),
+        **one,
+        "faults": _killed_by(c.id),
+        "repro": f"leakref certify TARGET --only {target} --keep FOLDER",
+    }
 
 
 def _stands(label: str) -> dict[str, str]:
@@ -135,8 +153,8 @@ def _killed_by(check: str) -> list[str]:
 
 
 def _family(identifier: str) -> Explanation | None:
-    from leakref.certify.runner import select
     from leakref.certify.checks.registry import FAMILIES
+    from leakref.certify.runner import select
 
     if identifier not in FAMILIES:
         return None
@@ -150,10 +168,16 @@ def _fault(identifier: str) -> Explanation | None:
     fault = FAULTS.get(identifier.removeprefix("fault:"))
     if fault is None:
         return None
-    return {"id": fault.id, "kind": "a fault", "what_is_wrong": fault.words, "stage": fault.stage,
-            "meant_for": fault.family, "witness": fault.killing_input,
-            "changes": [f"{c.module}: {c.old!r} becomes {c.new!r}" for c in fault.changes],
-            "try": f"leakref certify fault:{fault.id}"}
+    return {
+        "id": fault.id,
+        "kind": "a fault",
+        "what_is_wrong": fault.words,
+        "stage": fault.stage,
+        "meant_for": fault.family,
+        "witness": fault.killing_input,
+        "changes": [f"{c.module}: {c.old!r} becomes {c.new!r}" for c in fault.changes],
+        "try": f"leakref certify fault:{fault.id}",
+    }
 
 
 def _variant(identifier: str) -> Explanation | None:
@@ -162,8 +186,13 @@ def _variant(identifier: str) -> Explanation | None:
     variant = VARIANTS.get(identifier.removeprefix("variant:"))
     if variant is None:
         return None
-    return {"id": variant.id, "kind": "a correct alternative code, which must not be rejected", "words": variant.words,
-            "grade": variant.grade, "try": f"leakref certify variant:{variant.id}"}
+    return {
+        "id": variant.id,
+        "kind": "a correct alternative code, which must not be rejected",
+        "words": variant.words,
+        "grade": variant.grade,
+        "try": f"leakref certify variant:{variant.id}",
+    }
 
 
 def _claim(identifier: str) -> Explanation | None:
@@ -175,10 +204,18 @@ def _claim(identifier: str) -> Explanation | None:
         return None
     found = stored_claim(claim.id) or {}
     turns = [f"{row.get('variant', row.get('decision'))}" for row in turned(claim.id)]
-    return {"id": claim.id, "kind": "a claim of the paper", "claim": claim.words, "label": claim.label,
-            "tested": claim.test, "verdict": found.get("verdict"), "depends_on": found.get("depends_on"),
-            "figure": found.get("figure"), "turns_under": turns,
-            "evaluate": f"leakref claims {claim.id} --figures"}
+    return {
+        "id": claim.id,
+        "kind": "a claim of the paper",
+        "claim": claim.words,
+        "label": claim.label,
+        "tested": claim.test,
+        "verdict": found.get("verdict"),
+        "depends_on": found.get("depends_on"),
+        "figure": found.get("figure"),
+        "turns_under": turns,
+        "evaluate": f"leakref claims {claim.id} --figures",
+    }
 
 
 def _decision(identifier: str) -> Explanation | None:
@@ -187,9 +224,15 @@ def _decision(identifier: str) -> Explanation | None:
     decision = DECISIONS.get(identifier)
     if decision is None:
         return None
-    return {"id": decision.id, "kind": "a decision", "question": decision.question, "reference": decision.reference,
-            "where": f"leakref.{decision.where}", "measured": _shifts(decision.id),
-            "all_of_it": f"leakref claims --decisions {decision.id}"}
+    return {
+        "id": decision.id,
+        "kind": "a decision",
+        "question": decision.question,
+        "reference": decision.reference,
+        "where": f"leakref.{decision.where}",
+        "measured": _shifts(decision.id),
+        "all_of_it": f"leakref claims --decisions {decision.id}",
+    }
 
 
 def _shifts(identifier: str) -> list[str]:
@@ -200,8 +243,11 @@ def _shifts(identifier: str) -> list[str]:
     said = [found["no_effect"]] if found.get("no_effect") else []
     for variant in found.get("variants", ()):
         rows = [row for row in variant["rows"] if row["case"] == "all" and row["unflagged"]["shells"]]
-        moves = [f"{row['method'].upper()} {row['window']} median {row['unflagged']['c0']['median']:.2g}, largest "
-                 f"{row['unflagged']['c0']['largest']:.2g} c0" for row in rows]
+        moves = [
+            f"{row['method'].upper()} {row['window']} median {row['unflagged']['c0']['median']:.2g}, largest "
+            f"{row['unflagged']['c0']['largest']:.2g} c0"
+            for row in rows
+        ]
         said.append(f"{variant['words']} ({'; '.join(moves)})")
     return said
 
@@ -217,6 +263,14 @@ def _golden(identifier: str) -> Explanation | None:
         return None
     record = entry.record
     kept: Callable[[str], Any] = record.get
-    return {"id": entry.id, "kind": "a golden value", "stage": entry.stage, "there_for": kept("purpose"),
-            "equation": kept("equation"), "difficulty": kept("difficulty"), "decisions": kept("decisions"),
-            "file": f"golden/v1/{entry.file}", "outputs": list(entry.output)}
+    return {
+        "id": entry.id,
+        "kind": "a golden value",
+        "stage": entry.stage,
+        "there_for": kept("purpose"),
+        "equation": kept("equation"),
+        "difficulty": kept("difficulty"),
+        "decisions": kept("decisions"),
+        "file": f"golden/v1/{entry.file}",
+        "outputs": list(entry.output),
+    }

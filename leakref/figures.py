@@ -13,25 +13,42 @@ from cycler import cycler
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from leakref.methods import METHODS
 from leakref._base import FloatArray
 from leakref._output import write_whole
 from leakref.cases import Configuration
+from leakref.methods import METHODS
 
 __all__ = ["COLOURS", "WINDOW_WORDS", "Result", "figure", "result_figure", "save", "styled"]
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 """Okabe and Ito."""
-_STYLE: Any = {"font.size": 9, "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True,
-          "grid.alpha": 0.25, "legend.frameon": False, "legend.fontsize": 8, "axes.titlesize": 10,
-          "axes.prop_cycle": cycler(color=COLOURS), "svg.hashsalt": "leakref", "figure.dpi": 150}
+_STYLE: Any = {
+    "font.size": 9,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.alpha": 0.25,
+    "legend.frameon": False,
+    "legend.fontsize": 8,
+    "axes.titlesize": 10,
+    "axes.prop_cycle": cycler(color=COLOURS),
+    "svg.hashsalt": "leakref",
+    "figure.dpi": 150,
+}
 styled = mpl.rc_context(_STYLE)
 """Decorates what draws: within it every artist has the style of the house."""
 _LINES = ("-", "--", ":", "-.")
 _MARKERS = ("", "o", "^", "s")
-_WORDS = {"direction": r"$\theta_0$ = {:g}°", "spread": r"$\Delta\theta$ = {:g}°", "peakedness": r"$\gamma$ = {:g}",
-          "length": "$L$ = {:g}", "duration": "$T$ = {:g}", "speed": "$U$ = {:g}",
-          "current_direction": r"$\theta_U$ = {:g}°", "rotation": "rotated by {:g}°"}
+_WORDS = {
+    "direction": r"$\theta_0$ = {:g}°",
+    "spread": r"$\Delta\theta$ = {:g}°",
+    "peakedness": r"$\gamma$ = {:g}",
+    "length": "$L$ = {:g}",
+    "duration": "$T$ = {:g}",
+    "speed": "$U$ = {:g}",
+    "current_direction": r"$\theta_U$ = {:g}°",
+    "rotation": "rotated by {:g}°",
+}
 WINDOW_WORDS = {"box": "no window", "hann": "Hann", "blackman": "Blackman", "kaiser-bessel": "Kaiser-Bessel"}
 """Windows as a reader calls them."""
 
@@ -69,8 +86,10 @@ def figure(rows: int, columns: int, *, width: float = 8.0, height: float = 2.7, 
 def save(drawing: Figure, path: Path) -> list[Path]:
     """Write `path` as PNG and as SVG, each whole or not at all; the same figure gives the same bytes."""
     kinds: dict[str, dict[str, Any]] = {".png": {"Software": None}, ".svg": {"Date": None}}
-    return [write_whole(path.with_name(path.name + kind), partial(drawing.savefig, metadata=metadata, dpi=150))
-            for kind, metadata in kinds.items()]
+    return [
+        write_whole(path.with_name(path.name + kind), partial(drawing.savefig, metadata=metadata, dpi=150))
+        for kind, metadata in kinds.items()
+    ]
 
 
 @styled
@@ -87,10 +106,14 @@ def result_figure(ensembles: Sequence[Result], title: str, *, logarithmic: bool 
     varied = dict.fromkeys(name for e in ensembles for name in e.configuration.varied)
     differing = [name for name in varied if len({getattr(e.configuration, name) for e in ensembles}) > 1]
     with_current = any(e.configuration.speed for e in ensembles)
-    drawing, axes = figure(3 if with_current else 2, len(beside), width=8.0 if len(beside) > 1 else 6.0, sharex=True,
-                           sharey="row")
-    keys = [("window", windows)] * (len(beside) == 1 < len(windows)) + [("method", methods)] * (len(methods) > 1) + [
-        (name, sorted({getattr(e.configuration, name) for e in ensembles})) for name in differing]
+    drawing, axes = figure(
+        3 if with_current else 2, len(beside), width=8.0 if len(beside) > 1 else 6.0, sharex=True, sharey="row"
+    )
+    keys = (
+        [("window", windows)] * (len(beside) == 1 < len(windows))
+        + [("method", methods)] * (len(methods) > 1)
+        + [(name, sorted({getattr(e.configuration, name) for e in ensembles})) for name in differing]
+    )
     looks: list[tuple[str, Sequence[Any]]] = [("color", COLOURS), ("linestyle", _LINES), ("marker", _MARKERS)]
     if len(keys) > 3:
         looks = [*looks, ("alpha", (1.0, 0.6, 0.4))]
@@ -98,12 +121,17 @@ def result_figure(ensembles: Sequence[Result], title: str, *, logarithmic: bool 
     for e in ensembles:
         column = beside.index(e.window) if e.window in beside else 0
         own = {"window": e.window, "method": e.method, **{name: getattr(e.configuration, name) for name in differing}}
-        look = {what: choices[values.index(own[key]) % len(choices)]
-                for (key, values), (what, choices) in zip(keys, looks, strict=False)}
+        look = {
+            what: choices[values.index(own[key]) % len(choices)]
+            for (key, values), (what, choices) in zip(keys, looks, strict=False)
+        }
         look = {"color": COLOURS[0], "lw": 1.3, "ms": 3, "markevery": 3, **look}
         k = e.wavenumbers
-        words = [known.get(own[key]) or _WORDS[key].format(own[key]) for key, _ in keys
-                 if key != "current_direction" or e.configuration.speed]
+        words = [
+            known.get(own[key]) or _WORDS[key].format(own[key])
+            for key, _ in keys
+            if key != "current_direction" or e.configuration.speed
+        ]
         label = ", ".join(words) or METHODS[e.method].title
         axes[0, column].plot(k, e.bias, label=label, **look)
         axes[1, column].plot(k, 2 * e.random, **look)
@@ -113,8 +141,15 @@ def result_figure(ensembles: Sequence[Result], title: str, *, logarithmic: bool 
     for ax in axes[:2].flat:
         for number, e in enumerate(grids.values()):
             for resolution, line, what in zip(e.resolutions, ("-", "--"), (r"\omega", "k"), strict=True):
-                ax.plot(e.wavenumbers, resolution, color="0.6", ls=line, lw=1, zorder=0,
-                        label=rf"resolution $\delta c_{{\delta {what}}}$" if number == 0 else None)
+                ax.plot(
+                    e.wavenumbers,
+                    resolution,
+                    color="0.6",
+                    ls=line,
+                    lw=1,
+                    zorder=0,
+                    label=rf"resolution $\delta c_{{\delta {what}}}$" if number == 0 else None,
+                )
     for column, name in enumerate(beside):
         axes[0, column].set_title(WINDOW_WORDS.get(name, name))
         axes[-1, column].set_xlabel("$k$ / $k_0$")
@@ -132,7 +167,11 @@ def result_figure(ensembles: Sequence[Result], title: str, *, logarithmic: bool 
         axes[2, 0].set_ylim(-180, 180)
         axes[2, 0].set_yticks(range(-180, 181, 90))
     handles, labels = axes[0, 0].get_legend_handles_labels()
-    drawing.legend(handles, labels, loc="outside right upper" if len(labels) > 8 else "outside lower center",
-                   ncols=1 if len(labels) > 8 else min(4, len(labels)))
+    drawing.legend(
+        handles,
+        labels,
+        loc="outside right upper" if len(labels) > 8 else "outside lower center",
+        ncols=1 if len(labels) > 8 else min(4, len(labels)),
+    )
     drawing.suptitle(title)
     return drawing

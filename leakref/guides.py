@@ -11,8 +11,21 @@ from leakref._output import dump, envelope
 
 __all__ = ["TOPICS", "run", "text", "titles"]
 
-TOPICS = ("certificate", "python", "octave", "cpp", "shell", "protocol", "real-codes", "pytest", "tracking", "data",
-          "paper", "decisions", "adding")
+TOPICS = (
+    "certificate",
+    "python",
+    "octave",
+    "cpp",
+    "shell",
+    "protocol",
+    "real-codes",
+    "pytest",
+    "tracking",
+    "data",
+    "paper",
+    "decisions",
+    "adding",
+)
 """In the order in which one would read them."""
 
 
@@ -31,8 +44,11 @@ def text(topic: str) -> str:
     """A guide in Markdown, without what only its test reads. Raises LeakrefError for a topic that there is not."""
     if topic not in _all():
         near = difflib.get_close_matches(topic, _all(), 1)
-        raise LeakrefError("guide", f"there is no guide to {topic!r}", f"did you mean {near[0]}?" if near else
-                           f"choose one of {', '.join(_all())}")
+        raise LeakrefError(
+            "guide",
+            f"there is no guide to {topic!r}",
+            f"did you mean {near[0]}?" if near else f"choose one of {', '.join(_all())}",
+        )
     return "".join(line for line in _all()[topic].splitlines(keepends=True) if not line.startswith("<!--"))
 
 
@@ -43,8 +59,9 @@ def run(topic: str | None, *, json: bool = False) -> bool:
     from rich.table import Table
 
     if json:
-        print(dump(envelope("guide", True, **({"topic": topic, "text": text(topic)} if topic else
-                                              {"topics": titles()}))))
+        print(
+            dump(envelope("guide", True, **({"topic": topic, "text": text(topic)} if topic else {"topics": titles()})))
+        )
     elif topic:
         console = Console(width=min(Console().width, 100))
         console.print(Markdown(text(topic))) if console.is_terminal else print(text(topic), end="")

@@ -23,8 +23,18 @@ __all__ = ["arrays", "keep_arrays", "keep_record", "key", "record"]
 
 About = Mapping[str, Any]
 """Everything that a part depends on, in the types of JSON: configuration, realisation, settings, digest of sources."""
-_DAMAGED = (OSError, ValueError, KeyError, TypeError, EOFError, RuntimeError, SyntaxError, tokenize.TokenError,
-            zipfile.BadZipFile, zlib.error)  # what reading a file of arrays may raise that is not whole
+_DAMAGED = (
+    OSError,
+    ValueError,
+    KeyError,
+    TypeError,
+    EOFError,
+    RuntimeError,
+    SyntaxError,
+    tokenize.TokenError,
+    zipfile.BadZipFile,
+    zlib.error,
+)  # what reading a file of arrays may raise that is not whole
 
 
 def _text(about: Any) -> str:

@@ -24,11 +24,18 @@ ASKED = "leakref-asked"
 def pytest_addoption(parser: pytest.Parser) -> None:
     """The options: either of the first two is enough for something to be run."""
     group = parser.getgroup("leakref", "judge a code that measures currents from waves")
-    group.addoption("--leakref-implementation", metavar="TARGET", help="run the properties and the checks of leakref "
-                    "on package.module:object, reference, fault:ID or variant:ID")
+    group.addoption(
+        "--leakref-implementation",
+        metavar="TARGET",
+        help="run the properties and the checks of leakref on package.module:object, reference, fault:ID or variant:ID",
+    )
     group.addoption("--leakref-command", metavar="COMMAND", help="or on a program that speaks its protocol")
-    group.addoption("--leakref-profile", choices=("quick", "full"), help="quick (the default), or full: all cases of "
-                    "the checks, and twenty times as many examples of the properties")
+    group.addoption(
+        "--leakref-profile",
+        choices=("quick", "full"),
+        help="quick (the default), or full: all cases of "
+        "the checks, and twenty times as many examples of the properties",
+    )
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -40,8 +47,9 @@ def pytest_configure(config: pytest.Config) -> None:
     if target is None and command is None:
         return
     if (target is None) == (command is None) or not (target or command or "").strip():
-        raise pytest.UsageError("leakref: give --leakref-implementation or --leakref-command, not both, and not an "
-                                "empty one")
+        raise pytest.UsageError(
+            "leakref: give --leakref-implementation or --leakref-command, not both, and not an empty one"
+        )
     spec = find_spec("leakref.properties")
     if spec is None or not spec.submodule_search_locations:
         raise pytest.UsageError("leakref: this installation has no leakref.properties")
@@ -86,8 +94,10 @@ class Judged:
     def pytest_terminal_summary(self, terminalreporter: Any) -> None:
         """Say that nothing was judged."""
         if self.opened and not self.count and not terminalreporter.config.option.collectonly:
-            terminalreporter.write_line(f"leakref: nothing was judged of {self.words}: no property and no check of it "
-                                        "was run to its end", red=True)
+            terminalreporter.write_line(
+                f"leakref: nothing was judged of {self.words}: no property and no check of it was run to its end",
+                red=True,
+            )
 
 
 class Asked(Judged):

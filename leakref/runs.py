@@ -21,9 +21,9 @@ from threadpoolctl import ThreadpoolController
 from leakref import ensemble, kept, sources
 from leakref._base import FloatArray, IntArray, LeakrefError, Trouble, installed_with
 from leakref.cases import REALIZATIONS, Configuration
-from leakref.methods import METHODS
 from leakref.ending import Workers
 from leakref.ensemble import Ensemble
+from leakref.methods import METHODS
 from leakref.shell import Extraction
 
 __all__ = ["Task", "compute", "connected", "one_thread", "pool", "run", "source_digest"]
@@ -130,8 +130,11 @@ def pool(workers: int) -> Iterator[Executor | None]:
         try:
             yield executor
         except BrokenProcessPool:
-            raise Trouble("run", "a worker process died, perhaps for want of memory",
-                          "use fewer workers; the same command goes on where this one stopped") from None
+            raise Trouble(
+                "run",
+                "a worker process died, perhaps for want of memory",
+                "use fewer workers; the same command goes on where this one stopped",
+            ) from None
         except BaseException:
             executor.shutdown(wait=False, cancel_futures=True)
             context.kill()  # it would be waited for what they are at, for minutes
@@ -159,24 +162,36 @@ def connected(address: str) -> Iterator[Executor]:
         from distributed import Client, KilledWorker
         from distributed.comm import CommClosedError
     except ModuleNotFoundError:
-        raise LeakrefError("connected", "dask.distributed is not installed",
-                           installed_with("distributed")) from None
+        raise LeakrefError("connected", "dask.distributed is not installed", installed_with("distributed")) from None
     try:
         client = Client(address, timeout=10)
     except (OSError, ValueError, TimeoutError) as error:
-        raise LeakrefError("connected", f"no scheduler answers at {address} ({error})",
-                           "start one with `dask scheduler` and give its address, tcp://host:8786") from None
+        raise LeakrefError(
+            "connected",
+            f"no scheduler answers at {address} ({error})",
+            "start one with `dask scheduler` and give its address, tcp://host:8786",
+        ) from None
     with _hushed("distributed", "tornado", "asyncio"), client:  # what they would say is said below, once
         try:
             yield client.get_executor(pure=False)
         except (CancelledError, KilledWorker, CommClosedError) as error:
-            raise Trouble("run", f"the scheduler at {address} or its workers are gone ({type(error).__name__})",
-                          "start them again; the same command goes on where this one stopped") from None
+            raise Trouble(
+                "run",
+                f"the scheduler at {address} or its workers are gone ({type(error).__name__})",
+                "start them again; the same command goes on where this one stopped",
+            ) from None
 
 
-def run(configurations: Sequence[Configuration], *, realizations: int = REALIZATIONS,
-        methods: Sequence[str] = tuple(METHODS), route: str = "B", folder: Path | None = None,
-        executor: Executor | None = None, after_each: Callable[[], object] = lambda: None) -> Iterator[list[Ensemble]]:
+def run(
+    configurations: Sequence[Configuration],
+    *,
+    realizations: int = REALIZATIONS,
+    methods: Sequence[str] = tuple(METHODS),
+    route: str = "B",
+    folder: Path | None = None,
+    executor: Executor | None = None,
+    after_each: Callable[[], object] = lambda: None,
+) -> Iterator[list[Ensemble]]:
     """Realisations 0 ... `realizations` - 1 of each configuration: its ensembles, a list for each in order.
 
     Realisations are tasks for `executor` (default: this process). With a `folder`, each result is written there
@@ -219,5 +234,8 @@ def _next(finished: Iterator[Future[Part]], tasks: dict[Future[Part], Task]) -> 
 def _ensembles(plan: Sequence[Task], parts: Sequence[Part]) -> list[Ensemble]:
     configuration, methods = plan[0].configuration, plan[0].methods
     velocities, notes = (np.array(values) for values in zip(*parts, strict=True))
-    return [Ensemble(configuration, window, method, configuration.wavenumbers, velocities[:, w, m], notes[:, w, m])
-            for w, window in enumerate(configuration.windows) for m, method in enumerate(methods)]
+    return [
+        Ensemble(configuration, window, method, configuration.wavenumbers, velocities[:, w, m], notes[:, w, m])
+        for w, window in enumerate(configuration.windows)
+        for m, method in enumerate(methods)
+    ]

@@ -106,8 +106,11 @@ def closure(*entries: str, root: Path = _ROOT) -> dict[str, Path]:
             if path is None:
                 raise ModuleNotFoundError(f"no source of {module} in {root}")
             found[module] = path
-            pairs = {(of, name) for of, name in imports(path.read_text(encoding="utf-8"))[2] - seen
-                     if of.partition(".")[0] == root.name}
+            pairs = {
+                (of, name)
+                for of, name in imports(path.read_text(encoding="utf-8"))[2] - seen
+                if of.partition(".")[0] == root.name
+            }
             seen |= pairs
             waiting += [home for pair in pairs for home, _ in _home(pair, root)]
     return dict(sorted(found.items()))
@@ -115,8 +118,9 @@ def closure(*entries: str, root: Path = _ROOT) -> dict[str, Path]:
 
 def digest(*entries: str, root: Path = _ROOT, more: bytes = b"") -> str:
     """SHA-256 of the sources of `closure`, of the versions of `LIBRARIES`, and of `more`."""
-    parts = [part for module, path in closure(*entries, root=root).items()
-             for part in (module.encode(), path.read_bytes())]
+    parts = [
+        part for module, path in closure(*entries, root=root).items() for part in (module.encode(), path.read_bytes())
+    ]
     versions = " ".join(f"{name} {version(name)}" for name in LIBRARIES)
     return sha256(b"\0".join([*parts, versions.encode(), more])).hexdigest()
 
@@ -145,8 +149,10 @@ def _definitions(text: str) -> dict[str, frozenset[Pair]]:
         nodes = list(_code(statement))
         read = {(n.id, "") for n in nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Load)}
         read |= {(n.value.id, n.attr) for n in nodes if isinstance(n, ast.Attribute) and isinstance(n.value, ast.Name)}
-        bound: set[Any] = {getattr(statement, "name", ""), *(n.id for n in nodes if isinstance(n, ast.Name)
-                                                             and isinstance(n.ctx, ast.Store))}
+        bound: set[Any] = {
+            getattr(statement, "name", ""),
+            *(n.id for n in nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)),
+        }
         for name in {"", *bound}:
             found.setdefault(name, set()).update(read)
     return {name: frozenset(read) for name, read in found.items()}

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import settings
 
 from leakref.plugin import ASKED
+
 from .examined import Examined, reference
 from .strategies import PROFILES
 

@@ -13,11 +13,10 @@ from hypothesis import reject
 
 from leakref import chain
 from leakref._base import FloatArray
+from leakref.certify.checks.criteria import FRACTION, unflagged, vector
 from leakref.certify.checks.inputs import Cube
-from leakref.certify.checks.criteria import unflagged
-from leakref.certify.subject.inprocess import InProcess
-from leakref.certify.checks.criteria import FRACTION, vector
 from leakref.certify.subject.frames import Subject
+from leakref.certify.subject.inprocess import InProcess
 from leakref.certify.verdict import Unanswered, Verdict
 
 __all__ = ["PRECISION", "SINGLE", "Examined", "same"]
@@ -75,8 +74,17 @@ class Examined:
         finally:
             self.subject.calls.clear()
 
-    def velocities(self, surface: FloatArray, cube: Cube, window: str, method: str, *,
-                   spacing: Sequence[float] | None = None, scale: float = 1.0, every: bool = False) -> FloatArray:
+    def velocities(
+        self,
+        surface: FloatArray,
+        cube: Cube,
+        window: str,
+        method: str,
+        *,
+        spacing: Sequence[float] | None = None,
+        scale: float = 1.0,
+        every: bool = False,
+    ) -> FloatArray:
         """Velocities (n, 2) of a surface, sampled and asked for as `cube` is unless said otherwise.
 
         NaN where declined, and, unless `every` is wanted, where the reference has something to note of the cube: there
@@ -85,12 +93,20 @@ class Examined:
         known = np.full(cube.wavenumbers.size, True) if every else unflagged(cube, window, method)
         values = np.full((known.size, 2), np.nan)
         if known.any():
-            values[known] = self.ask("extract", np.ascontiguousarray(surface), spacing or cube.spacing,
-                                     cube.wavenumbers[known], window=window, method=method, scale=scale).values
+            values[known] = self.ask(
+                "extract",
+                np.ascontiguousarray(surface),
+                spacing or cube.spacing,
+                cube.wavenumbers[known],
+                window=window,
+                method=method,
+                scale=scale,
+            ).values
         return values
 
-    def velocities_of_changed(self, surface: FloatArray, cube: Cube, window: str, method: str,
-                              spacing: Sequence[float]) -> FloatArray:
+    def velocities_of_changed(
+        self, surface: FloatArray, cube: Cube, window: str, method: str, spacing: Sequence[float]
+    ) -> FloatArray:
         """`velocities` of a surface that is not that of `cube`: NaN if refused where all is to be noted of it too."""
         try:
             return self.velocities(surface, cube, window, method, spacing=spacing)
@@ -100,16 +116,26 @@ class Examined:
             raise
 
 
-def _noted(surface: FloatArray, spacing: Sequence[float], cube: Cube, window: str,
-           method: str) -> npt.NDArray[np.bool_]:
+def _noted(
+    surface: FloatArray, spacing: Sequence[float], cube: Cube, window: str, method: str
+) -> npt.NDArray[np.bool_]:
     """Where the literal chain has something to note of a surface, (n,)."""
     dx, dy, dt = spacing
     found = chain.extract(surface, (dx, dy, dt), cube.wavenumbers, window=window, method=method)
     return np.array([bool(note) for note in found.notes])
 
 
-def same(examined: Examined, cube: Cube, window: str, method: str, found: FloatArray, should: FloatArray,
-         changed: tuple[FloatArray, Sequence[float]] | None = None, *, exact: float = PRECISION) -> None:
+def same(
+    examined: Examined,
+    cube: Cube,
+    window: str,
+    method: str,
+    found: FloatArray,
+    should: FloatArray,
+    changed: tuple[FloatArray, Sequence[float]] | None = None,
+    *,
+    exact: float = PRECISION,
+) -> None:
     """Fail unless velocities (n, 2) agree: the reference to `exact` c0, others to a tenth of the smaller resolution.
 
     In shells of which the reference has nothing to note, in the cube and in the `changed` surface with its spacing. A
@@ -123,12 +149,16 @@ def same(examined: Examined, cube: Cube, window: str, method: str, found: FloatA
         bad &= ~_noted(*changed, cube, window, method)  # the start simplex does not turn with the sea: another basin
     if bad.any():
         n = int(np.flatnonzero(bad)[0])
-        raise AssertionError(f"{method}, {window}: got {vector(found[n])} at k = {cube.wavenumbers[n]:.4g}, but should "
-                             f"be {vector(should[n])}, within {allowed[n]:.2g} [{error[n]:.3g} off]")
+        raise AssertionError(
+            f"{method}, {window}: got {vector(found[n])} at k = {cube.wavenumbers[n]:.4g}, but should "
+            f"be {vector(should[n])}, within {allowed[n]:.2g} [{error[n]:.3g} off]"
+        )
 
 
 def reference() -> Examined:
     """The built-in implementation, with its modules."""
-    import leakref.leakage, leakref.leastsquares, leakref.nsp  # noqa: E401
+    import leakref.leakage
+    import leakref.leastsquares
+    import leakref.nsp
 
     return Examined(InProcess(chain.reference), leakref, is_reference=True)

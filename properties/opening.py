@@ -8,6 +8,7 @@ from contextlib import ExitStack
 from typing import Any
 
 from leakref._base import LeakrefError
+
 from .examined import Examined, reference
 
 __all__ = ["examined", "opened"]
@@ -37,8 +38,9 @@ def opened(target: str | None, command: str | None, profile: str = "quick") -> t
     try:
         words = shlex.split(str(command))
     except ValueError as error:
-        raise LeakrefError("pytest", f"--leakref-command cannot be split ({error})",
-                           "quote it as for a shell") from None
+        raise LeakrefError(
+            "pytest", f"--leakref-command cannot be split ({error})", "quote it as for a shell"
+        ) from None
     stack = ExitStack()
     limits = Limits(run=600.0 if profile == "full" else 120.0)
     return Examined(stack.enter_context(connect(command=words, limits=limits))), stack.close

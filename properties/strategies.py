@@ -13,7 +13,8 @@ from pkgutil import walk_packages
 from typing import Any
 
 import numpy as np
-from hypothesis import HealthCheck, Phase, assume, settings, strategies as st
+from hypothesis import HealthCheck, Phase, assume, settings
+from hypothesis import strategies as st
 
 import leakref
 from leakref import Components, Grid, SeaState, UniformCurrent, aligned_waves
@@ -21,18 +22,35 @@ from leakref.certify.checks.inputs import Cube, polar
 from leakref.dispersion import DEEP
 from leakref.window import WINDOWS
 
-__all__ = ["PROFILES", "Drawn", "currents", "examples", "grids", "offsets", "pairs", "positions", "seas", "singles",
-           "sizes", "waves", "windows"]
+__all__ = [
+    "PROFILES",
+    "Drawn",
+    "currents",
+    "examples",
+    "grids",
+    "offsets",
+    "pairs",
+    "positions",
+    "seas",
+    "singles",
+    "sizes",
+    "waves",
+    "windows",
+]
 
-_COMMON: dict[str, Any] = {"database": None, "deadline": None, "print_blob": True, "report_multiple_bugs": False,
-                           "suppress_health_check": [HealthCheck.too_slow, HealthCheck.filter_too_much]}
+_COMMON: dict[str, Any] = {
+    "database": None,
+    "deadline": None,
+    "print_blob": True,
+    "report_multiple_bugs": False,
+    "suppress_health_check": [HealthCheck.too_slow, HealthCheck.filter_too_much],
+}
 for _module in walk_packages(leakref.__path__, "leakref."):
     # Hypothesis draws constants from the modules that are loaded: from all, so that examples do not depend on what ran
     if not _module.name.startswith(("leakref.properties", "leakref._golden")):
         import_module(_module.name)
 PROFILES = {"ci": (settings(derandomize=True, **_COMMON), 1), "thorough": (settings(derandomize=False, **_COMMON), 20)}
 """Settings, and how many times the examples of the quick one: `ci` is the same every time, `thorough` is for nights."""
-
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -76,8 +94,9 @@ def offsets(reach: float = 12.0) -> st.SearchStrategy[float]:
     """Distances from a line in bins: any, on bins, and within rounding of them."""
     near = st.sampled_from([0.0, 1e-12, 1e-9, 1e-6, 1e-3, 0.25, 0.5])
     any_ = st.floats(-reach, reach).filter(lambda v: v == 0 or abs(v) > 1e-300)  # whose reciprocal is a number
-    return st.one_of(any_, st.builds(lambda n, r, s: n + s * r, st.integers(-int(reach), int(reach)),
-                                                         near, st.sampled_from([-1, 1])))
+    return st.one_of(
+        any_, st.builds(lambda n, r, s: n + s * r, st.integers(-int(reach), int(reach)), near, st.sampled_from([-1, 1]))
+    )
 
 
 def positions(size: int) -> st.SearchStrategy[float]:
@@ -138,12 +157,18 @@ def _bins(draw: st.DrawFn, stretch: float) -> tuple[int, int]:
     return round(u / stretch), round(v)
 
 
-def _aligned(grid: Grid, bins: list[tuple[int, int, int]], amplitude: tuple[float, ...],
-             phase: tuple[float, ...]) -> Drawn:
+def _aligned(
+    grid: Grid, bins: list[tuple[int, int, int]], amplitude: tuple[float, ...], phase: tuple[float, ...]
+) -> Drawn:
     components, (u, v) = aligned_waves(grid, bins, amplitude=amplitude, phase=phase)
     k = np.hypot(components.kx, components.ky).mean()
-    return Drawn(components, grid, np.array([k]), UniformCurrent((float(u), float(v))),
-                 f"aligned_waves({grid}, {bins}, amplitude={amplitude}, phase={phase}) at {k:.6g}")
+    return Drawn(
+        components,
+        grid,
+        np.array([k]),
+        UniformCurrent((float(u), float(v))),
+        f"aligned_waves({grid}, {bins}, amplitude={amplitude}, phase={phase}) at {k:.6g}",
+    )
 
 
 @st.composite
@@ -190,10 +215,16 @@ def seas(draw: st.DrawFn, *, shells: int = 2, narrowest: float = 90.0, fastest: 
     grid = Grid((nx, ny, nt), (dx, dy, dt))
     spread, direction = draw(st.floats(narrowest, 360.0)), draw(st.floats(-180.0, 180.0))
     length = float(min(grid.lengths[:2])) / (2 * np.pi)
-    state = SeaState(direction, spread, draw(st.sampled_from((1.0, 3.3, 7.0))), length,
-                     UniformCurrent(draw(currents(fastest))))
+    state = SeaState(
+        direction, spread, draw(st.sampled_from((1.0, 3.3, 7.0))), length, UniformCurrent(draw(currents(fastest)))
+    )
     k = grid.wavenumber_resolution * np.array([draw(st.floats(3.6, 5.5)) for _ in range(shells)])
     assume(k.max() + 2.2 * grid.wavenumber_resolution < min(grid.nyquist[:2]))
     n = draw(st.integers(0, 1000))
-    return Drawn(state.components(n), grid, np.sort(k), state.current,
-                 f"{state}.components({n}) on {grid} at {np.sort(k).tolist()}")
+    return Drawn(
+        state.components(n),
+        grid,
+        np.sort(k),
+        state.current,
+        f"{state}.components({n}) on {grid} at {np.sort(k).tolist()}",
+    )

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from leakref.certify.runner import select
-from leakref.certify.pytesting import settle
 from leakref.certify.checks.registry import Case, Check
+from leakref.certify.pytesting import settle
+from leakref.certify.runner import select
 from leakref.plugin import ASKED
+
 from .examined import Examined
 
 

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, strategies as st
+from hypothesis import given
+from hypothesis import strategies as st
 
 from leakref import Grid, SeaState, UniformCurrent
 from leakref._base import FloatArray
 from leakref.certify.checks.inputs import Cube, polar
 from leakref.certify.checks.statistics import excess
+
 from .examined import Examined
 from .strategies import examples
 
@@ -21,15 +23,25 @@ ALARMS = 1e-3
 """How often a test may be wrong of a code that is within the margin."""
 
 
-def sea(direction: float, spread: float, current: tuple[float, float], realization: int, turn: float = 0.0,
-        grid: Grid = SMALL) -> Cube:
+def sea(
+    direction: float,
+    spread: float,
+    current: tuple[float, float],
+    realization: int,
+    turn: float = 0.0,
+    grid: Grid = SMALL,
+) -> Cube:
     """A realisation, `turn` degrees about the centre of the domain, current and all (decision D13)."""
     length = min(grid.lengths[:2]) / (2 * np.pi)
     waves = SeaState(direction, spread, length=length, current=UniformCurrent(current)).components(realization)
     angle = np.degrees(np.arctan2(current[1], current[0])) + turn
     centre = [n / 2 for n in grid.lengths[:2]]
-    return Cube(waves.rotated(turn, centre) if turn else waves, grid, WAVENUMBERS,
-                UniformCurrent(polar(float(np.hypot(*current)), float(angle))))
+    return Cube(
+        waves.rotated(turn, centre) if turn else waves,
+        grid,
+        WAVENUMBERS,
+        UniformCurrent(polar(float(np.hypot(*current)), float(angle))),
+    )
 
 
 def taper(examined: Examined) -> str:
@@ -50,8 +62,16 @@ def mean_sizes(examined: Examined, cubes: list[Cube], window: str, method: str) 
     return np.array([np.nan if np.isnan(s).all() else np.nanmean(s) for s in sizes])
 
 
-def turned(examined: Examined, spread: float, window: str, method: str, angle: float, first: int,
-           count: int, grid: Grid = SMALL) -> FloatArray:
+def turned(
+    examined: Examined,
+    spread: float,
+    window: str,
+    method: str,
+    angle: float,
+    first: int,
+    count: int,
+    grid: Grid = SMALL,
+) -> FloatArray:
     """How much velocities change beyond turning, over the larger resolution, in `count` seas, (count, n)."""
     back = np.array(polar(1.0, -angle))
     back = np.array([[back[0], -back[1]], [back[1], back[0]]])
@@ -96,8 +116,10 @@ def test_a_wider_spread_is_not_worse(examined: Examined, direction: float, first
     so."""
     window = taper(examined)
     for method in examined.methods():
-        seas = ([sea(direction, spread, polar(0.1, direction + 50), n) for n in range(first, first + 30)]
-                for spread in (15.0, 60.0))
+        seas = (
+            [sea(direction, spread, polar(0.1, direction + 50), n) for n in range(first, first + 30)]
+            for spread in (15.0, 60.0)
+        )
         narrow, wide = (mean_sizes(examined, cubes, window, method) for cubes in seas)
         worse = (wide - narrow)[np.isfinite(wide - narrow)]
         margin = 0.1 * float(sea(direction, 60.0, (0.0, 0.0), 0).resolutions[0].mean())
@@ -107,16 +129,23 @@ def test_a_wider_spread_is_not_worse(examined: Examined, direction: float, first
 
 @examples(1)
 @given(direction=st.floats(-180.0, 180.0), first=st.integers(0, 1000))
-def test_with_a_following_or_opposing_current_errors_are_those_without(examined: Examined, direction: float,
-                                                                       first: int) -> None:
+def test_with_a_following_or_opposing_current_errors_are_those_without(
+    examined: Examined, direction: float, first: int
+) -> None:
     """Tapered, in the mean over 12 paired realisations: |c - U| at 0.15 c0 along and against the waves differs from
     that in still water by no more than a half of the smaller resolution (measured in 25 such means: at most 0.08 by
     NSP; 0.66 by LS, half of what its scatter then allows), by Student's t at 1e-3 either way."""
     window = taper(examined)
     for method in examined.methods():
         still, with_it, against = (
-            mean_sizes(examined, [sea(direction, 60.0, polar(speed, direction), n) for n in range(first, first + 12)],
-                       window, method) for speed in (0.0, 0.15, -0.15))
+            mean_sizes(
+                examined,
+                [sea(direction, 60.0, polar(speed, direction), n) for n in range(first, first + 12)],
+                window,
+                method,
+            )
+            for speed in (0.0, 0.15, -0.15)
+        )
         margin = 0.5 * float(sea(direction, 60.0, (0.0, 0.0), 0).resolutions[0].mean())
         for name, sizes in (("following", with_it), ("opposing", against)):
             change = (sizes - still)[np.isfinite(sizes - still)]

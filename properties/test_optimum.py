@@ -5,10 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from hypothesis import assume, example, given, strategies as st
+from hypothesis import assume, example, given
+from hypothesis import strategies as st
 
 from leakref import Grid
 from leakref.certify.checks.inputs import Cube
+
 from .examined import Examined, same
 from .strategies import currents, examples, seas
 
@@ -25,7 +27,7 @@ def test_the_score_is_stationary_and_curved_downwards(modules: Any, cube: Cube, 
     """At an optimum without a note a Newton step, by differences of N alone, is below 1e-7 c0, the Hessian so formed is
     negative, and eight points 1e-3 c0 around score less. 1e-7: differences over h = 1e-3 of fourth order err by h^4 in
     the gradient, 1e-12, and by rounding, 1e-16 / h, over a curvature of at least 0.05."""
-    shell, = shells(modules, cube, window)
+    (shell,) = shells(modules, cube, window)
     width = modules.nsp.WIDTH * cube.grid.frequency_resolution
     found = modules.nsp.optimum(shell, width, 1.0)
     c, n = found.velocity, found.score
@@ -35,8 +37,12 @@ def test_the_score_is_stationary_and_curved_downwards(modules: Any, cube: Cube, 
         return float(modules.nsp.normalized_scalar_product(shell, (c[0] + u, c[1] + v), width))
 
     h = 1e-3
-    slope = np.array([(8 * (score(*(h * e)) - score(*(-h * e))) - score(*(2 * h * e)) + score(*(-2 * h * e))) / (12 * h)
-                      for e in np.eye(2)])
+    slope = np.array(
+        [
+            (8 * (score(*(h * e)) - score(*(-h * e))) - score(*(2 * h * e)) + score(*(-2 * h * e))) / (12 * h)
+            for e in np.eye(2)
+        ]
+    )
     xx, yy = ((score(*(h * e)) - 2 * score(0, 0) + score(*(-h * e))) / h**2 for e in np.eye(2))
     xy = (score(h, h) - score(h, -h) - score(-h, h) + score(-h, -h)) / (4 * h**2)
     hessian = np.array([[xx, xy], [xy, yy]])
@@ -48,21 +54,32 @@ def test_the_score_is_stationary_and_curved_downwards(modules: Any, cube: Cube, 
 
 
 @examples(60)
-@given(shape=st.tuples(*3 * [st.integers(8, 12)]), spacing=st.tuples(*3 * [st.floats(0.8, 1.2)]),
-       seed=st.integers(0, 10**6), velocity=currents(2.0), width=st.floats(0.5, 6.0))
+@given(
+    shape=st.tuples(*3 * [st.integers(8, 12)]),
+    spacing=st.tuples(*3 * [st.floats(0.8, 1.2)]),
+    seed=st.integers(0, 10**6),
+    velocity=currents(2.0),
+    width=st.floats(0.5, 6.0),
+)
 @example(shape=(9, 10, 9), spacing=(1.0, 1.1, 0.7), seed=0, velocity=(0.3, -0.2), width=4.0)
 @example(shape=(10, 9, 8), spacing=(1.0, 1.1, 0.7), seed=0, velocity=(0.3, -0.2), width=4.0)
-def test_the_half_space_stands_for_the_whole(modules: Any, shape: tuple[int, int, int],
-                                             spacing: tuple[float, float, float], seed: int,
-                                             velocity: tuple[float, float], width: float) -> None:
+def test_the_half_space_stands_for_the_whole(
+    modules: Any,
+    shape: tuple[int, int, int],
+    spacing: tuple[float, float, float],
+    seed: int,
+    velocity: tuple[float, float],
+    width: float,
+) -> None:
     """N over omega >= 0 with weights (decision D5) is N of eq:normSp summed over the whole space, odd or even in size,
     a Nyquist plane half at either end: to 1e-11 relative, since exponents of some hundred lose three digits."""
     grid = Grid(shape, spacing)
     k, a, nt = 1.1 * grid.wavenumber_resolution, width * grid.frequency_resolution, shape[2]
     assume(3.1 * grid.wavenumber_resolution < 0.99 * min(grid.nyquist[:2]))
     spectrum = modules.spectrum.fourier(np.random.default_rng(seed).standard_normal(shape), grid, "box", workers=1)
-    kx, ky = np.meshgrid(*(2 * np.pi * np.fft.fftfreq(n, d) for n, d in zip(shape[:2], spacing, strict=False)),
-                         indexing="ij")
+    kx, ky = np.meshgrid(
+        *(2 * np.pi * np.fft.fftfreq(n, d) for n, d in zip(shape[:2], spacing, strict=False)), indexing="ij"
+    )
     inside = np.abs(np.hypot(kx, ky) - k) <= (2 + 1e-9) * grid.wavenumber_resolution
     m = np.arange(-(nt // 2), nt // 2 + 1)
     weight = np.where(2 * np.abs(m) == nt, 0.5, 1.0)
@@ -78,11 +95,12 @@ def test_the_half_space_stands_for_the_whole(modules: Any, shape: tuple[int, int
 
 @examples(40)
 @given(cube=seas(shells=1, fastest=0.6), velocity=currents(0.8), window=st.sampled_from(("box", "hann")))
-def test_derivatives_of_the_score_are_its_differences(modules: Any, cube: Cube, velocity: tuple[float, float],
-                                                      window: str) -> None:
+def test_derivatives_of_the_score_are_its_differences(
+    modules: Any, cube: Cube, velocity: tuple[float, float], window: str
+) -> None:
     """At any velocity, gradient and Hessian against differences of fourth order of N and of the gradient over 1e-3 c0:
     to 1e-6 of the largest, the fifth derivative being some (4 k / a)^5 N and the step to the fourth 1e-12."""
-    shell, = shells(modules, cube, window)
+    (shell,) = shells(modules, cube, window)
     width, h = modules.nsp.WIDTH * cube.grid.frequency_resolution, 1e-3
     c = np.array(velocity)
     _, gradient, hessian = modules.nsp.score_derivatives(shell, c, width)
@@ -103,7 +121,7 @@ def test_least_squares_satisfies_its_normal_equations(modules: Any, cube: Cube, 
     """sum of k (k.c - (omega - omega0)) = 0 over the bins with omega >= 0 and P at least a fifth of the shell's largest
     (eq:LS1, decisions D7 and D19), collected bin by bin: to 1e-12 of the sum of the sizes of its terms."""
     spectrum = modules.leakage.spectrum(cube.components, cube.grid, window)
-    c, = modules.leastsquares.extract(spectrum, cube.wavenumbers).velocities
+    (c,) = modules.leastsquares.extract(spectrum, cube.wavenumbers).velocities
     assume(np.isfinite(c).all())
     kx, ky = (q[:, :, None] for q in np.meshgrid(spectrum.kx, spectrum.ky, indexing="ij"))
     k = np.hypot(kx, ky)
@@ -119,8 +137,9 @@ def test_least_squares_satisfies_its_normal_equations(modules: Any, cube: Cube, 
 
 @examples(12)
 @given(cube=seas(shells=4), data=st.data())
-def test_splitting_and_permuting_the_wavenumbers_changes_nothing(examined: Examined, cube: Cube,
-                                                                 data: st.DataObject) -> None:
+def test_splitting_and_permuting_the_wavenumbers_changes_nothing(
+    examined: Examined, cube: Cube, data: st.DataObject
+) -> None:
     """Shells are independent of each other: exact in the reference, others a tenth of the smaller resolution."""
     order = data.draw(st.permutations(range(4)), label="order")
     cut = data.draw(st.integers(1, 3), label="cut")

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 
+from leakref.certify.checks.criteria import EXACT, FLATTER, exactly, score, vector
 from leakref.certify.checks.inputs import Cube
-from leakref.certify.checks.criteria import score
-from leakref.certify.checks.criteria import EXACT, FLATTER, exactly, vector
+
 from .examined import PRECISION, Examined
 from .strategies import examples, pairs, singles
 
@@ -31,8 +31,10 @@ def test_a_pair_of_waves_on_bins_gives_the_current(examined: Examined, cube: Cub
             over = np.hypot(*(found - cube.truth).T) / PRECISION
         else:
             over = exactly(examined.subject, cube, "box", method, found, cube.truth) / (1 + 2e4 / cube.surface.size)
-        assert over.max() <= 1, (f"{method}: got {vector(found[0])} at k = {cube.wavenumbers[0]:.4g}, but should be "
-                                 f"{vector(cube.truth[0])} [{over.max():.2g} times what is allowed]")
+        assert over.max() <= 1, (
+            f"{method}: got {vector(found[0])} at k = {cube.wavenumbers[0]:.4g}, but should be "
+            f"{vector(cube.truth[0])} [{over.max():.2g} times what is allowed]"
+        )
 
 
 @examples(20)

@@ -5,10 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from hypothesis import given, strategies as st
+from hypothesis import given
+from hypothesis import strategies as st
 
-from leakref.certify.checks.inputs import Cube
 from leakref.certify.checks.criteria import unflagged
+from leakref.certify.checks.inputs import Cube
+
 from .examined import PRECISION, Examined, same
 from .strategies import examples, seas
 
@@ -32,8 +34,13 @@ def test_units_of_length_and_time_are_free(modules: Any, cube: Cube, length: flo
     length, time = 10.0**length, 10.0**time
     dx, dy, dt = cube.spacing
     units = {"gravity": length / time**2, "peak_wavenumber": 1 / length}
-    found = modules.chain.extract(cube.surface, (dx * length, dy * length, dt * time), cube.wavenumbers / length,
-                                method=method, **units).velocities * time / length
+    found = (
+        modules.chain.extract(
+            cube.surface, (dx * length, dy * length, dt * time), cube.wavenumbers / length, method=method, **units
+        ).velocities
+        * time
+        / length
+    )
     should = modules.chain.extract(cube.surface, cube.spacing, cube.wavenumbers, method=method).velocities
     known = unflagged(cube, "hann", method)
     assert np.abs(found - should)[known].max(initial=0) < PRECISION

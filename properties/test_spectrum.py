@@ -7,11 +7,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import pytest
-from hypothesis import assume, example, given, strategies as st
+from hypothesis import assume, example, given
+from hypothesis import strategies as st
 
 from leakref import Components, Grid, fourier, synthesize
 from leakref._base import FloatArray
 from leakref.window import window as named_window
+
 from .examined import SINGLE, Examined
 from .strategies import examples, grids, waves, windows
 
@@ -67,7 +69,7 @@ def test_spectrum_is_that_of_the_waves(examined: Examined, data: st.DataObject, 
     components = data.draw(waves(grid), label="waves")
     eta = synthesize(components, *(grid.samples(axis) for axis in range(3)))
     assume(np.abs(eta).max() > 1e-3)
-    s, = spectra(examined, grid, window, eta)
+    (s,) = spectra(examined, grid, window, eta)
     samplings: list[dict[str, bool]] = [{}] if examined.is_reference else [{}, {"symmetric": True}]
     errors = []
     for sampling in samplings:
@@ -91,7 +93,7 @@ def test_a_wave_on_a_bin_is_at_its_own_bin_and_its_mirror_image(examined: Examin
     kx, ky, omega = np.array(bins) * grid.bin_widths
     wave = Components(kx, ky, omega, np.array(1.0), np.array(0.4))
     eta = synthesize(wave, *(grid.samples(axis) for axis in range(3)))
-    s, = spectra(examined, grid, "box", eta)
+    (s,) = spectra(examined, grid, "box", eta)
     should = np.zeros(grid.shape)
     should[tuple(bins)] = should[tuple(-b for b in bins)] = 1.0
     near(examined, np.abs(s), should)
@@ -99,10 +101,11 @@ def test_a_wave_on_a_bin_is_at_its_own_bin_and_its_mirror_image(examined: Examin
 
 @examples(60, shrink=True)
 @given(grid=grids(), window=windows(), seed=SEEDS)
-def test_the_spectrum_of_a_real_signal_is_its_own_mirror_image(examined: Examined, grid: Grid, window: str,
-                                                               seed: int) -> None:
+def test_the_spectrum_of_a_real_signal_is_its_own_mirror_image(
+    examined: Examined, grid: Grid, window: str, seed: int
+) -> None:
     """S(-k, -omega) = conj S(k, omega): 1e-13, others single precision."""
-    s, = spectra(examined, grid, window, noise(grid, seed))
+    (s,) = spectra(examined, grid, window, noise(grid, seed))
     near(examined, s, reversed_bins(s).conj())
 
 
@@ -126,7 +129,7 @@ def test_parseval(examined: Examined, grid: Grid, window: str, seed: int) -> Non
     surfaces = [noise(grid, seed), 1 + noise(grid, seed + 1)]
     energies = [float((np.abs(examined.ask("spectrum", eta, grid.spacing, window)) ** 2).sum()) for eta in surfaces]
     misses = []
-    for symmetric in ([False] if examined.is_reference else [False, True]):
+    for symmetric in [False] if examined.is_reference else [False, True]:
         w = [named_window(window).samples(n, symmetric=symmetric) for n in grid.shape]
         tapered = [(w[0][:, None, None] * w[1][:, None] * w[2] * eta) ** 2 for eta in surfaces]
         assume(all(t.max() > 1e-3 for t in tapered))
@@ -142,15 +145,18 @@ def test_a_circular_shift_turns_phases_only(examined: Examined, data: st.DataObj
     eta = noise(grid, seed)
     steps = tuple(data.draw(st.integers(-n, n)) for n in grid.shape)
     a, b = spectra(examined, grid, "box", eta, np.roll(eta, steps, (0, 1, 2)))
-    turn = sum(sign * step * np.fft.fftfreq(n).reshape([-1 if axis == at else 1 for at in range(3)])
-               for axis, (sign, step, n) in enumerate(zip((1, 1, -1), steps, grid.shape, strict=True)))
+    turn = sum(
+        sign * step * np.fft.fftfreq(n).reshape([-1 if axis == at else 1 for at in range(3)])
+        for axis, (sign, step, n) in enumerate(zip((1, 1, -1), steps, grid.shape, strict=True))
+    )
     near(examined, b, a * np.exp(-2j * np.pi * turn) if np.iscomplexobj(a) else a)
 
 
 @examples(60, shrink=True)
 @given(grid=grids(), window=windows(), seed=SEEDS, axis=st.integers(0, 2))
-def test_index_reversal_reverses_the_axis_of_the_spectrum(examined: Examined, grid: Grid, window: str, seed: int,
-                                                          axis: int) -> None:
+def test_index_reversal_reverses_the_axis_of_the_spectrum(
+    examined: Examined, grid: Grid, window: str, seed: int, axis: int
+) -> None:
     """In size: index n to -n modulo the size, under which a periodic window is even, or the plain flip (D1). 1e-13,
     others single precision."""
     eta = noise(grid, seed)

@@ -6,10 +6,12 @@ import itertools
 from collections.abc import Callable
 
 import numpy as np
-from hypothesis import given, strategies as st
+from hypothesis import given
+from hypothesis import strategies as st
 
 from leakref._base import FloatArray
 from leakref.certify.checks.inputs import Cube
+
 from .examined import Examined, same
 from .strategies import examples, seas
 
@@ -30,8 +32,16 @@ def placed(surface: FloatArray, reversed_: tuple[int, ...], exchanged: bool, one
     return [np.ascontiguousarray(np.roll(flipped, way, (0, 1, 2))) for way in ways]
 
 
-def held(examined: Examined, cube: Cube, matrix: FloatArray, change: Change = lambda eta: eta, *,
-         reversed_: tuple[int, ...] = (), exchanged: bool = False, windows: tuple[str, ...] | None = None) -> None:
+def held(
+    examined: Examined,
+    cube: Cube,
+    matrix: FloatArray,
+    change: Change = lambda eta: eta,
+    *,
+    reversed_: tuple[int, ...] = (),
+    exchanged: bool = False,
+    windows: tuple[str, ...] | None = None,
+) -> None:
     """Fail unless the changed surface gives the velocities, `matrix` applied: in one of the ways in which other codes
     than the reference may place their window."""
     dx, dy, dt = cube.spacing
@@ -56,8 +66,9 @@ def held(examined: Examined, cube: Cube, matrix: FloatArray, change: Change = la
 
 @examples(16)
 @given(cube=seas(narrowest=BROAD), exchanged=st.booleans(), axes=st.sampled_from([(), (0,), (1,), (0, 1)]))
-def test_quarter_turns_mirror_images_and_exchanged_axes(examined: Examined, cube: Cube, exchanged: bool,
-                                                        axes: tuple[int, ...]) -> None:
+def test_quarter_turns_mirror_images_and_exchanged_axes(
+    examined: Examined, cube: Cube, exchanged: bool, axes: tuple[int, ...]
+) -> None:
     """All eight, by index reversal modulo n and exchange of the axes with their spacings: exact for box and a periodic
     window; 1e-10 c0, others a tenth of the smaller resolution. Not in shells of which the reference has something to
     note: untapered, the start simplex does not turn with the sea."""

@@ -6,9 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import example, given, strategies as st
+from hypothesis import example, given
+from hypothesis import strategies as st
 
 from leakref._base import FloatArray
+
 from .examined import SINGLE, Examined
 from .strategies import examples, offsets, sizes, windows
 
@@ -76,8 +78,10 @@ def test_samples_have_the_lobes_of_the_window(examined: Examined, name: str, siz
     examined.offered("window", name=name)
     w, n = examined.ask("window", name, size), np.arange(size)
     wave = np.exp(2j * np.pi * offset * n / size)
-    lobes = [abs(complex(((w - textbook(name, 2 * n / over - 1)) * wave).sum())) / size
-             for over in (size, *([] if examined.is_reference else [size - 1]))]
+    lobes = [
+        abs(complex(((w - textbook(name, 2 * n / over - 1)) * wave).sum())) / size
+        for over in (size, *([] if examined.is_reference else [size - 1]))
+    ]
     assert min(lobes) <= (1e-14 if examined.is_reference else SINGLE), f"{name}[{size}] = {w}, at {offset} bins"
 
 

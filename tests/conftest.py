@@ -12,8 +12,12 @@ from leakref import Components, Grid, SeaState, UniformCurrent, leakage
 collect_ignore = ["example_project"]  # somebody else's, run by itself
 
 # nx, ny, nt and dx, dy, dt all different; even and odd sizes in every position
-RECTANGULAR = (Grid((12, 17, 22), (0.9, 0.6, 0.35)), Grid((15, 10, 9), (0.5, 1.1, 0.8)),
-               Grid((9, 14, 16), (1.3, 0.7, 0.45)), Grid((16, 13, 11), (0.8, 0.95, 0.6)))
+RECTANGULAR = (
+    Grid((12, 17, 22), (0.9, 0.6, 0.35)),
+    Grid((15, 10, 9), (0.5, 1.1, 0.8)),
+    Grid((9, 14, 16), (1.3, 0.7, 0.45)),
+    Grid((16, 13, 11), (0.8, 0.95, 0.6)),
+)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

@@ -10,8 +10,9 @@ from leakref import Components, Grid, fourier, leastsquares, nsp, synthesize
 from leakref.shell import Extraction
 
 
-def realize(components: Components, grid: Grid, wavenumbers: np.ndarray, *,
-            windows: Sequence[str] = ("box", "hann")) -> dict[tuple[str, str], Extraction]:
+def realize(
+    components: Components, grid: Grid, wavenumbers: np.ndarray, *, windows: Sequence[str] = ("box", "hann")
+) -> dict[tuple[str, str], Extraction]:
     """One realisation by its surface, the FFT under each window, SciPy's Nelder-Mead and least squares (route A).
 
     The whole Nyquist range, as many threads as the libraries take by default. Other basins are not looked for.

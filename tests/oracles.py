@@ -20,8 +20,16 @@ def waves(components) -> list[Wave]:
 def surface(components, x: Sequence[float], y: Sequence[float], t: Sequence[float]) -> list[list[list[float]]]:
     """eta[x][y][t] by a loop over samples and waves."""
     listed = waves(components)
-    return [[[math.fsum(a * math.cos(kx * p + ky * q - omega * s + phase) for kx, ky, omega, a, phase in listed)
-              for s in t] for q in y] for p in x]
+    return [
+        [
+            [
+                math.fsum(a * math.cos(kx * p + ky * q - omega * s + phase) for kx, ky, omega, a, phase in listed)
+                for s in t
+            ]
+            for q in y
+        ]
+        for p in x
+    ]
 
 
 def window(name: str, size: int) -> list[float]:
@@ -62,12 +70,15 @@ def exponential_sum(bin_number: int, position: float, size: int, weights: Iterab
 def window_transform(name: str, offset: float) -> float:
     """Integral of w(s) cos(2 pi v (s - 1/2)) over 0 < s < 1."""
     b = mpmath.pi * mpmath.sqrt(3)
-    w = {"box": lambda s: mpmath.mpf(1),
-         "hann": lambda s: 0.5 - 0.5 * mpmath.cos(2 * mpmath.pi * s),
-         "blackman": lambda s: 0.42 - 0.5 * mpmath.cos(2 * mpmath.pi * s) + 0.08 * mpmath.cos(4 * mpmath.pi * s),
-         "kaiser-bessel": lambda s: mpmath.besseli(0, b * mpmath.sqrt(1 - (2 * s - 1) ** 2)) / mpmath.besseli(0, b)}
-    return float(mpmath.quad(lambda s: w[name](s) * mpmath.cos(2 * mpmath.pi * offset * (s - 0.5)),
-                             mpmath.linspace(0, 1, 9)))
+    w = {
+        "box": lambda s: mpmath.mpf(1),
+        "hann": lambda s: 0.5 - 0.5 * mpmath.cos(2 * mpmath.pi * s),
+        "blackman": lambda s: 0.42 - 0.5 * mpmath.cos(2 * mpmath.pi * s) + 0.08 * mpmath.cos(4 * mpmath.pi * s),
+        "kaiser-bessel": lambda s: mpmath.besseli(0, b * mpmath.sqrt(1 - (2 * s - 1) ** 2)) / mpmath.besseli(0, b),
+    }
+    return float(
+        mpmath.quad(lambda s: w[name](s) * mpmath.cos(2 * mpmath.pi * offset * (s - 0.5)), mpmath.linspace(0, 1, 9))
+    )
 
 
 def shell_bins(n: int, grid_shape: tuple[int, int], ratio: int = 1) -> list[tuple[int, int]]:
@@ -91,9 +102,17 @@ def as_printed(k: tuple[float, float], c: Sequence[float], omega0: float) -> flo
     return -omega0 - k[0] * c[0] - k[1] * c[1]
 
 
-def normalized_scalar_product(whole, bin_widths: Sequence[float], wavenumber: float, velocity: Sequence[float],
-                              width: float, *, half: bool = False, gravity: float = 1.0,
-                              branch: Callable[..., float] = mirrored) -> float:
+def normalized_scalar_product(
+    whole,
+    bin_widths: Sequence[float],
+    wavenumber: float,
+    velocity: Sequence[float],
+    width: float,
+    *,
+    half: bool = False,
+    gravity: float = 1.0,
+    branch: Callable[..., float] = mirrored,
+) -> float:
     """N of eq:normSp, bin by bin, over the whole space or the half omega >= 0; `whole` is S[i][j][m] in FFT order."""
     shape = len(whole), len(whole[0]), len(whole[0][0])
     dk = max(bin_widths[:2])
@@ -117,8 +136,9 @@ def normalized_scalar_product(whole, bin_widths: Sequence[float], wavenumber: fl
     return (gf / count) / ((g / count) * (f / count))
 
 
-def least_squares(whole, bin_widths: Sequence[float], wavenumber: float, threshold: float,
-                  gravity: float = 1.0) -> tuple[tuple[float, float], list[tuple[float, float, float, float]]]:
+def least_squares(
+    whole, bin_widths: Sequence[float], wavenumber: float, threshold: float, gravity: float = 1.0
+) -> tuple[tuple[float, float], list[tuple[float, float, float, float]]]:
     """The minimum of eq:LS1 over omega >= 0 by Cramer's rule, and its data (kx, ky, omega, omega0)."""
     shape = len(whole), len(whole[0]), len(whole[0][0])
     inside = []
@@ -126,14 +146,26 @@ def least_squares(whole, bin_widths: Sequence[float], wavenumber: float, thresho
         for j in range(-(shape[1] // 2), (shape[1] + 1) // 2):
             kx, ky = i * bin_widths[0], j * bin_widths[1]
             if abs(math.hypot(kx, ky) - wavenumber) <= 2 * max(bin_widths[:2]) * (1 + 1e-12):
-                inside += [(abs(whole[i % shape[0]][j % shape[1]][m]) ** 2, kx, ky, m * bin_widths[2])
-                           for m in range(shape[2] // 2 + 1)]
+                inside += [
+                    (abs(whole[i % shape[0]][j % shape[1]][m]) ** 2, kx, ky, m * bin_widths[2])
+                    for m in range(shape[2] // 2 + 1)
+                ]
     largest = max(power for power, *_ in inside)
-    data = [(kx, ky, omega, math.sqrt(gravity * math.hypot(kx, ky))) for power, kx, ky, omega in inside
-            if power >= threshold * largest]
-    xx, xy, yy, xb, yb = (math.fsum(terms) for terms in zip(*(
-        (kx * kx, kx * ky, ky * ky, kx * (omega - omega0), ky * (omega - omega0)) for kx, ky, omega, omega0 in data),
-        strict=True))
+    data = [
+        (kx, ky, omega, math.sqrt(gravity * math.hypot(kx, ky)))
+        for power, kx, ky, omega in inside
+        if power >= threshold * largest
+    ]
+    xx, xy, yy, xb, yb = (
+        math.fsum(terms)
+        for terms in zip(
+            *(
+                (kx * kx, kx * ky, ky * ky, kx * (omega - omega0), ky * (omega - omega0))
+                for kx, ky, omega, omega0 in data
+            ),
+            strict=True,
+        )
+    )
     determinant = xx * yy - xy * xy
     return ((yy * xb - xy * yb) / determinant, (xx * yb - xy * xb) / determinant), data
 
@@ -153,5 +185,12 @@ def philox4x64_10(counter: Sequence[int], key: Sequence[int]) -> list[int]:
 def differences(function: Callable[[float, float], float], at: Sequence[float], step: float) -> list[float]:
     """Gradient by central differences of fourth order: error step^4 f^(5) / 30, plus rounding over step."""
     x, y = at
-    return [(8 * (function(x + a, y + b) - function(x - a, y - b)) - function(x + 2 * a, y + 2 * b)
-             + function(x - 2 * a, y - 2 * b)) / (12 * step) for a, b in ((step, 0.0), (0.0, step))]
+    return [
+        (
+            8 * (function(x + a, y + b) - function(x - a, y - b))
+            - function(x + 2 * a, y + 2 * b)
+            + function(x - 2 * a, y - 2 * b)
+        )
+        / (12 * step)
+        for a, b in ((step, 0.0), (0.0, step))
+    ]

@@ -36,8 +36,14 @@ def test_refusals_of_an_altered_chain_are_refusals():
         altered(()).chain.extract(surface(), GRID.spacing, [0.9], method="x")
 
 
-@pytest.mark.parametrize("change", [Change("nsp", "WIDTH = 4.1", "WIDTH = 5"), Change("nsp", "shell", "shell_"),
-                                    Change("nsp", "WIDTH = 4.0", "WIDTH = 4.0")])
+@pytest.mark.parametrize(
+    "change",
+    [
+        Change("nsp", "WIDTH = 4.1", "WIDTH = 5"),
+        Change("nsp", "shell", "shell_"),
+        Change("nsp", "WIDTH = 4.0", "WIDTH = 4.0"),
+    ],
+)
 def test_a_change_that_does_not_fit_is_refused_before_anything_runs(change):
     with pytest.raises(LeakrefError, match=r"occurs \d+ times in nsp.py"):
         altered((change,))

@@ -15,16 +15,29 @@ import pytest
 import leakref
 
 HOUSE = Path(leakref.__file__).parent
-EVERY = sorted(".".join(path.relative_to(HOUSE.parent).with_suffix("").parts).removesuffix(".__init__")
-               for path in HOUSE.rglob("*.py") if "templates" not in path.parts)
+EVERY = sorted(
+    ".".join(path.relative_to(HOUSE.parent).with_suffix("").parts).removesuffix(".__init__")
+    for path in HOUSE.rglob("*.py")
+    if "templates" not in path.parts
+)
 MODULES = sorted({name.split(".")[1] for name in EVERY if "." in name})
 HEAVY = ("numpy", "scipy", "matplotlib", "numba", "pint")
 # the table of the design, row by row; a row may use its own rooms, `_base` and `_caches`
-ROOMS = {"_base": set(), "grid": set(), "dispersion": set(), "currents": set(),
-         "sea": {"grid", "dispersion", "currents"}, "synthesis": {"sea"}, "window": {"grid"},
-         "spectrum": {"grid", "window"}, "leakage": {"grid", "window", "spectrum", "sea"},
-         "shell": {"spectrum", "dispersion", "window"}, "nsp": {"spectrum", "dispersion", "shell"},
-         "leastsquares": {"spectrum", "dispersion", "shell"}, "methods": {"nsp", "leastsquares", "shell"}}
+ROOMS = {
+    "_base": set(),
+    "grid": set(),
+    "dispersion": set(),
+    "currents": set(),
+    "sea": {"grid", "dispersion", "currents"},
+    "synthesis": {"sea"},
+    "window": {"grid"},
+    "spectrum": {"grid", "window"},
+    "leakage": {"grid", "window", "spectrum", "sea"},
+    "shell": {"spectrum", "dispersion", "window"},
+    "nsp": {"spectrum", "dispersion", "shell"},
+    "leastsquares": {"spectrum", "dispersion", "shell"},
+    "methods": {"nsp", "leastsquares", "shell"},
+}
 ROOMS["chain"] = {room for room in ROOMS if room != "_base"}
 ABOVE = {"cases", "ensemble", "fast"}  # all of the above, and each other
 ROOMS |= {room: {*ROOMS, *ABOVE} for room in [*sorted(ABOVE), "fast.score", "fast.spectra"]}
@@ -61,8 +74,18 @@ def test_rooms_import_only_what_the_design_allows(module):
 
 
 def test_the_reader_of_imports_sees_every_form():
-    assert imported("chain") == {"_base", "dispersion", "grid", "leakage", "methods", "sea", "shell", "spectrum",
-                                 "synthesis", "window"}
+    assert imported("chain") == {
+        "_base",
+        "dispersion",
+        "grid",
+        "leakage",
+        "methods",
+        "sea",
+        "shell",
+        "spectrum",
+        "synthesis",
+        "window",
+    }
     assert imported("grid") == {"_base"}
 
 
@@ -90,8 +113,10 @@ def test_importing_leakref_loads_nothing_heavy():
 @pytest.mark.skipif("cli" not in MODULES, reason="no commands yet")
 @pytest.mark.parametrize("arguments", [["--help"], ["--version"]])
 def test_help_and_version_load_nothing_heavy(arguments):
-    code = (f"import sys; sys.argv = ['leakref', *{arguments}]\nfrom leakref.cli import main\n"
-            "try:\n    main()\nexcept SystemExit as end:\n    assert not end.code, end.code")
+    code = (
+        f"import sys; sys.argv = ['leakref', *{arguments}]\nfrom leakref.cli import main\n"
+        "try:\n    main()\nexcept SystemExit as end:\n    assert not end.code, end.code"
+    )
     assert light(code) == set()
 
 

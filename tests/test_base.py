@@ -20,21 +20,29 @@ def test_error_names_call_fault_and_remedy_and_is_a_value_error():
 def test_error_survives_the_way_back_from_a_worker():
     back = pickle.loads(pickle.dumps(LeakrefError("call", "fault", "remedy")))
     assert (type(back), back.call, back.fault, back.remedy, str(back)) == (
-        LeakrefError, "call", "fault", "remedy", "call: fault; remedy.")
+        LeakrefError,
+        "call",
+        "fault",
+        "remedy",
+        "call: fault; remedy.",
+    )
 
 
-@pytest.mark.parametrize(("value", "ndim", "fault"), [
-    ([1.0, np.nan], None, "1 of 2 values that are not finite"),
-    ([np.nan, np.inf, 2.0], None, "2 of 3 values"),
-    ([np.inf, -np.inf], None, "2 of 2 values"),  # whose sum is NaN: no warning may slip out either
-    (np.inf, 0, "1 of 1 values"),
-    ([1j], None, "complex"),
-    (["a"], None, "not numeric"),
-    (None, 1, "v "),
-    ([[1.0], [1.0, 2.0]], None, "not numeric"),
-    ([[1.0]], 1, "shape (1, 1), 2 dimensions"),
-    (1.0, 2, "0 dimensions"),
-])
+@pytest.mark.parametrize(
+    ("value", "ndim", "fault"),
+    [
+        ([1.0, np.nan], None, "1 of 2 values that are not finite"),
+        ([np.nan, np.inf, 2.0], None, "2 of 3 values"),
+        ([np.inf, -np.inf], None, "2 of 2 values"),  # whose sum is NaN: no warning may slip out either
+        (np.inf, 0, "1 of 1 values"),
+        ([1j], None, "complex"),
+        (["a"], None, "not numeric"),
+        (None, 1, "v "),
+        ([[1.0], [1.0, 2.0]], None, "not numeric"),
+        ([[1.0]], 1, "shape (1, 1), 2 dimensions"),
+        (1.0, 2, "0 dimensions"),
+    ],
+)
 def test_finite_refuses(value, ndim, fault):
     with pytest.raises(LeakrefError) as caught:
         finite("the call", "v", value, ndim)

@@ -77,5 +77,6 @@ def test_growth(benchmark, length, duration):
 @pytest.mark.parametrize("workers", [1, 2])
 def test_ensemble(benchmark, workers):
     with runs.pool(workers) as executor:
-        benchmark.pedantic(lambda: list(runs.run([BASE], realizations=20, executor=executor)), rounds=2,
-                           warmup_rounds=1)
+        benchmark.pedantic(
+            lambda: list(runs.run([BASE], realizations=20, executor=executor)), rounds=2, warmup_rounds=1
+        )

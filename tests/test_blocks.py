@@ -64,8 +64,7 @@ def test_memory_stays_far_below_the_cube(tmp_path):
     cube[:] = np.random.default_rng(1).normal(size=grid.shape)
     cube.flush()
     tracemalloc.start()
-    kept = fourier_in_blocks(cube, grid, largest_wavenumber=1.0, remove=trend(cube, "linear", block=2**18),
-                             block=2**18)
+    kept = fourier_in_blocks(cube, grid, largest_wavenumber=1.0, remove=trend(cube, "linear", block=2**18), block=2**18)
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert kept.values.shape == (11, 9, 257)

@@ -26,8 +26,9 @@ def foreign(tmp_path_factory):
     place = tmp_path_factory.mktemp("site")
     away = shutil.ignore_patterns("__pycache__")
     for package in (leakref, leakref.properties, leakref._golden):
-        shutil.copytree(package.__path__[0], place.joinpath(*package.__name__.split(".")), ignore=away,
-                        dirs_exist_ok=True)
+        shutil.copytree(
+            package.__path__[0], place.joinpath(*package.__name__.split(".")), ignore=away, dirs_exist_ok=True
+        )
     for folder, _, _ in os.walk(place):
         os.chmod(folder, 0o555)
     _open(place)
@@ -58,8 +59,15 @@ def run(foreign, tmp_path, code, *words):
     _open(tmp_path)
     env = {name: value for name, value in os.environ.items() if name not in OWN}
     env |= {"HOME": str(home), "TMPDIR": str(temporary), "PYTHONPATH": str(place)}
-    done = subprocess.run([*python, "-c", code, *map(str, words)], env=env, cwd="/", capture_output=True, text=True,
-                          timeout=1200, check=False)
+    done = subprocess.run(
+        [*python, "-c", code, *map(str, words)],
+        env=env,
+        cwd="/",
+        capture_output=True,
+        text=True,
+        timeout=1200,
+        check=False,
+    )
     assert list(temporary.iterdir()) == []
     assert list(home.iterdir()) == []
     return done
@@ -92,9 +100,11 @@ if sys.argv[1:]:
 
 
 def test_where_there_is_no_place_at_all_it_is_compiled_without_one(foreign, tmp_path):
-    code = ("import tempfile\ndef full(*a, **k): raise OSError(28, 'full')\ntempfile.mkdtemp = full\n"
-            "from leakref._caches import njit\nimport os\n"
-            "from leakref.fast import score\nprint('NUMBA_CACHE_DIR' in os.environ, score.POOL)")
+    code = (
+        "import tempfile\ndef full(*a, **k): raise OSError(28, 'full')\ntempfile.mkdtemp = full\n"
+        "from leakref._caches import njit\nimport os\n"
+        "from leakref.fast import score\nprint('NUMBA_CACHE_DIR' in os.environ, score.POOL)"
+    )
     done = run(foreign, tmp_path, code)
     assert (done.returncode, done.stdout, done.stderr) == (0, "False 8\n", "")
 

@@ -32,8 +32,10 @@ def test_an_id_names_its_configuration_and_its_grid_is_that_of_the_paper(c):
 
 
 def test_a_rotated_configuration_is_the_same_sea_and_current_turned():
-    still, turned = (next(c for c in CASES["U"] if (c.rotation, c.speed, c.current_direction) == (angle, 0.15, -90))
-                     for angle in (0, 30))
+    still, turned = (
+        next(c for c in CASES["U"] if (c.rotation, c.speed, c.current_direction) == (angle, 0.15, -90))
+        for angle in (0, 30)
+    )
     a, b = still.components(3), turned.components(3)
     np.testing.assert_allclose(b.kx + 1j * b.ky, (a.kx + 1j * a.ky) * np.exp(1j * np.pi / 6), atol=1e-14)
     np.testing.assert_array_equal(a.omega, b.omega)
@@ -44,8 +46,10 @@ def test_a_rotated_configuration_is_the_same_sea_and_current_turned():
     # at the centre of the domain both show the same water
     centre = np.array(still.grid.lengths[:2]) / 2
     t = np.linspace(0, 100, 7)[:, None]
-    at_centre = [np.sum(s.amplitude * np.cos(s.kx * centre[0] + s.ky * centre[1] - s.omega * t + s.phase), axis=1)
-                 for s in (a, b)]
+    at_centre = [
+        np.sum(s.amplitude * np.cos(s.kx * centre[0] + s.ky * centre[1] - s.omega * t + s.phase), axis=1)
+        for s in (a, b)
+    ]
     np.testing.assert_allclose(*at_centre, atol=1e-11)
 
 

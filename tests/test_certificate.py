@@ -21,31 +21,33 @@ def finding(family: str, verdict: Verdict, name: str = "a", **more: object) -> F
 
 
 def certificate(*findings: Finding, known: tuple[str, ...] = ()) -> Certificate:
-    return Certificate("a:b", "quick", "v1", SAID, list(findings),
-                       {i: Known(i, "a reason", "an issue") for i in known})
+    return Certificate("a:b", "quick", "v1", SAID, list(findings), {i: Known(i, "a reason", "an issue") for i in known})
 
 
 GOLDEN, SIGN = finding("conformance", PASS), finding("signs", PASS)
 
 
-@pytest.mark.parametrize(("findings", "grade", "status"), [
-    ((GOLDEN, SIGN), "conformant", 0),
-    ((GOLDEN,), "conformant", 0),
-    ((SIGN,), "sound", 0),
-    ((finding("conformance", FAIL), SIGN), "sound", 0),
-    ((finding("conformance", ERROR), SIGN), "sound", 0),
-    ((finding("conformance", MISSING), GOLDEN, SIGN), "sound", 0),
-    ((finding("conformance", UNSUPPORTED), GOLDEN, SIGN), "conformant", 0),
-    ((finding("conformance", FAIL),), "rejected", 1),
-    ((GOLDEN, finding("signs", FAIL)), "rejected", 1),
-    ((GOLDEN, finding("signs", ERROR)), "rejected", 1),
-    ((GOLDEN, finding("signs", TIMEOUT)), "rejected", 1),
-    ((GOLDEN, SIGN, finding("signs", MISSING, "b")), "conformant", 0),
-    ((GOLDEN, SIGN, finding("shear", MISSING)), "rejected", 1),
-    ((), None, 3),
-    ((finding("signs", UNSUPPORTED), finding("conformance", UNSUPPORTED)), None, 3),
-    ((finding("signs", MISSING),), None, 3),
-])
+@pytest.mark.parametrize(
+    ("findings", "grade", "status"),
+    [
+        ((GOLDEN, SIGN), "conformant", 0),
+        ((GOLDEN,), "conformant", 0),
+        ((SIGN,), "sound", 0),
+        ((finding("conformance", FAIL), SIGN), "sound", 0),
+        ((finding("conformance", ERROR), SIGN), "sound", 0),
+        ((finding("conformance", MISSING), GOLDEN, SIGN), "sound", 0),
+        ((finding("conformance", UNSUPPORTED), GOLDEN, SIGN), "conformant", 0),
+        ((finding("conformance", FAIL),), "rejected", 1),
+        ((GOLDEN, finding("signs", FAIL)), "rejected", 1),
+        ((GOLDEN, finding("signs", ERROR)), "rejected", 1),
+        ((GOLDEN, finding("signs", TIMEOUT)), "rejected", 1),
+        ((GOLDEN, SIGN, finding("signs", MISSING, "b")), "conformant", 0),
+        ((GOLDEN, SIGN, finding("shear", MISSING)), "rejected", 1),
+        ((), None, 3),
+        ((finding("signs", UNSUPPORTED), finding("conformance", UNSUPPORTED)), None, 3),
+        ((finding("signs", MISSING),), None, 3),
+    ],
+)
 def test_the_grade_follows_from_the_findings(findings, grade, status):
     found = certificate(*findings)
     assert (found.grade, found.status, found.ok) == (grade, status, status == 0)
@@ -64,23 +66,37 @@ def test_a_known_failure_does_not_count_and_one_that_passes_is_an_error():
 
 
 def test_the_record_follows_its_schema():
-    found = certificate(GOLDEN, finding("signs", FAIL, over=float("inf"), digits=3.2), finding("scale", UNSUPPORTED),
-                        known=("signs.check[a]",))
+    found = certificate(
+        GOLDEN,
+        finding("signs", FAIL, over=float("inf"), digits=3.2),
+        finding("scale", UNSUPPORTED),
+        known=("signs.check[a]",),
+    )
     record = found.record()
     check = jsonschema.Draft202012Validator(schema())
     check.validate(record)
     assert record["counts"] == {"pass": 1, "fail": 1, "unsupported": 1}
     assert record["findings"][1]["over"] is None  # infinity is not JSON
-    for broken in ({**record, "grade": "fine"}, {**record, "findings": [{**record["findings"][0], "verdict": "ok"}]},
-                   {k: v for k, v in record.items() if k != "diagnosis"}):
+    for broken in (
+        {**record, "grade": "fine"},
+        {**record, "findings": [{**record["findings"][0], "verdict": "ok"}]},
+        {k: v for k, v in record.items() if k != "diagnosis"},
+    ):
         assert not check.is_valid(broken)
 
 
 def test_junit_counts_what_failed_and_escapes_what_was_printed():
     hostile = finding("signs", FAIL, "b")
     hostile = replace(hostile, message="<script>alert(1)</script> & \x00\x1b[31m \ud800")
-    found = certificate(GOLDEN, SIGN, hostile, finding("signs", ERROR, "c"), finding("scale", MISSING),
-                        finding("shear", FAIL), known=("shear.check[a]", "conformance.check[a]"))
+    found = certificate(
+        GOLDEN,
+        SIGN,
+        hostile,
+        finding("signs", ERROR, "c"),
+        finding("scale", MISSING),
+        finding("shear", FAIL),
+        known=("shear.check[a]", "conformance.check[a]"),
+    )
     text = junit(found)
     text.encode("utf-8")
     root = ElementTree.fromstring(text.partition("?>")[2])
@@ -95,12 +111,16 @@ def test_junit_counts_what_failed_and_escapes_what_was_printed():
     assert "<script>" not in text
 
 
-@pytest.mark.parametrize(("text", "fault"), [
-    ("no toml", "is not TOML"), ('"a" = "why"', "should have a reason and an issue"),
-    ('"a" = {reason = "x"}', "should have a reason and an issue"),
-    ('"a" = {reason = " ", issue = "y"}', "should have a reason and an issue"),
-    ('"a" = {reason = "x", issue = 3}', "should have a reason and an issue"),
-])
+@pytest.mark.parametrize(
+    ("text", "fault"),
+    [
+        ("no toml", "is not TOML"),
+        ('"a" = "why"', "should have a reason and an issue"),
+        ('"a" = {reason = "x"}', "should have a reason and an issue"),
+        ('"a" = {reason = " ", issue = "y"}', "should have a reason and an issue"),
+        ('"a" = {reason = "x", issue = 3}', "should have a reason and an issue"),
+    ],
+)
 def test_a_list_of_known_failures_is_read_strictly(tmp_path, text, fault):
     path = tmp_path / "known.toml"
     path.write_text(text)

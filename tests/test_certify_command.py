@@ -8,7 +8,8 @@ import sys
 
 import jsonschema
 import pytest
-from test_commands import here, leakref as command
+from test_commands import here
+from test_commands import leakref as command
 
 from leakref import LeakrefError
 from leakref.certify import commands
@@ -40,19 +41,28 @@ def project(tmp_path_factory):
     return folder
 
 
-@pytest.mark.parametrize(("words", "status", "said"), [
-    ((), 2, "no target was given"), (("",), 2, "the target is empty"),
-    (("reference", "--command", "x"), 2, "a target and a --command was given"), (("--command", ""), 2, "is empty"),
-    (("--command", "'"), 2, "cannot be split"), (("nonsense",), 2, "names nothing"),
-    (("no_such_module:x",), 2, "there is no module"), (("odd:nothing",), 2, "has no 'nothing'"),
-    (("fault:no-such",), 2, "no-such"), (("variant:no-such",), 2, "no-such"),
-    (("reference", "--only", "no.such"), 2, "no check is called"), (("reference", "--profile", "x"), 2, "no profile"),
-    (("reference", "--golden", "99"), 2, "golden set number 99"),
-    (("--command", "no-such-program-here"), 2, "no-such-program-here"),
-    (("reference", "--only", "scale.peak[quarter]"), 3, "Nothing to run"),
-    (("odd:Empty", "--only", "signs"), 3, "offers none of"),
-    (("odd:Windows", "--only", "signs"), 3, "not judged"),
-])
+@pytest.mark.parametrize(
+    ("words", "status", "said"),
+    [
+        ((), 2, "no target was given"),
+        (("",), 2, "the target is empty"),
+        (("reference", "--command", "x"), 2, "a target and a --command was given"),
+        (("--command", ""), 2, "is empty"),
+        (("--command", "'"), 2, "cannot be split"),
+        (("nonsense",), 2, "names nothing"),
+        (("no_such_module:x",), 2, "there is no module"),
+        (("odd:nothing",), 2, "has no 'nothing'"),
+        (("fault:no-such",), 2, "no-such"),
+        (("variant:no-such",), 2, "no-such"),
+        (("reference", "--only", "no.such"), 2, "no check is called"),
+        (("reference", "--profile", "x"), 2, "no profile"),
+        (("reference", "--golden", "99"), 2, "golden set number 99"),
+        (("--command", "no-such-program-here"), 2, "no-such-program-here"),
+        (("reference", "--only", "scale.peak[quarter]"), 3, "Nothing to run"),
+        (("odd:Empty", "--only", "signs"), 3, "offers none of"),
+        (("odd:Windows", "--only", "signs"), 3, "not judged"),
+    ],
+)
 def test_wrong_use_and_nothing_to_judge_are_told_apart(project, words, status, said):
     done = here("certify", *words, cwd=project)
     assert done.returncode == status, done.stderr + done.stdout
@@ -62,8 +72,18 @@ def test_wrong_use_and_nothing_to_judge_are_told_apart(project, words, status, s
 
 
 def test_a_certificate_in_json_follows_its_schema_and_names_the_mistake(project, tmp_path):
-    done = command("certify", "odd:dated", "--only", "signs.aligned", "--only", "recovery.pair", "--report",
-                   tmp_path / "report", "--json", cwd=project)
+    done = command(
+        "certify",
+        "odd:dated",
+        "--only",
+        "signs.aligned",
+        "--only",
+        "recovery.pair",
+        "--report",
+        tmp_path / "report",
+        "--json",
+        cwd=project,
+    )
     record = json.loads(done.stdout)
     jsonschema.validate(record, schema())
     assert (done.returncode, record["ok"], record["grade"]) == (1, False, "rejected")
@@ -93,15 +113,22 @@ def test_known_failures_are_let_pass_until_they_pass(project, tmp_path):
 
 def test_a_program_is_certified_as_a_target_is(project):
     worker = shlex.join([sys.executable, "-m", "leakref.certify.worker", "reference"])
-    done = command("certify", "--command", worker, "--only", "conformance.window", "--workers", 1, "--json",
-                   cwd=project)
+    done = command(
+        "certify", "--command", worker, "--only", "conformance.window", "--workers", 1, "--json", cwd=project
+    )
     record = json.loads(done.stdout)
     assert (done.returncode, record["grade"], record["target"]) == (0, "conformant", worker)
     assert len(record["findings"]) == len(select(["conformance.window"], profile="quick"))
 
 
-@pytest.mark.parametrize(("words", "limit"), [(("--timeout", 0.7), "0.7"), (("--start-timeout", 0.6), "0.6"),
-                                              (("--timeout", 0.7, "--start-timeout", 0.5), "0.5")])
+@pytest.mark.parametrize(
+    ("words", "limit"),
+    [
+        (("--timeout", 0.7), "0.7"),
+        (("--start-timeout", 0.6), "0.6"),
+        (("--timeout", 0.7, "--start-timeout", 0.5), "0.5"),
+    ],
+)
 def test_silence_at_the_start_is_not_waited_for_beyond_the_limit(project, words, limit):
     silent = shlex.join([sys.executable, "-S", "-c", "import time; time.sleep(600)"])
     for target in (("--command", silent), ("silent:code",)):
@@ -111,8 +138,17 @@ def test_silence_at_the_start_is_not_waited_for_beyond_the_limit(project, words,
 
 
 def test_what_is_ours_does_not_count_as_the_start(project):
-    done = command("certify", "reference", "--start-timeout", 0.1, "--only", "conformance.window[window-box-7]",
-                   "--workers", 1, cwd=project)
+    done = command(
+        "certify",
+        "reference",
+        "--start-timeout",
+        0.1,
+        "--only",
+        "conformance.window[window-box-7]",
+        "--workers",
+        1,
+        cwd=project,
+    )
     assert done.returncode in (0, 3)
     assert "within 30 s" not in done.stderr
 
@@ -123,10 +159,21 @@ def test_lists_and_schema_are_printed():
     assert json.loads(command("certify", "--schema").stdout) == schema()
 
 
-@pytest.mark.parametrize(("identifier", "kind"), [
-    ("signs", "a family of checks"), ("signs.sea", "a check"), ("signs.sea[to-22.5]", "a check"),
-    ("exchanged-axes", "a fault"), ("fault:exchanged-axes", "a fault"), ("bfgs", "a correct alternative"),
-    ("A4", "a claim of the paper"), ("D4", "a decision"), ("D12", "a decision"), ("window-hann-7", "a golden value")])
+@pytest.mark.parametrize(
+    ("identifier", "kind"),
+    [
+        ("signs", "a family of checks"),
+        ("signs.sea", "a check"),
+        ("signs.sea[to-22.5]", "a check"),
+        ("exchanged-axes", "a fault"),
+        ("fault:exchanged-axes", "a fault"),
+        ("bfgs", "a correct alternative"),
+        ("A4", "a claim of the paper"),
+        ("D4", "a decision"),
+        ("D12", "a decision"),
+        ("window-hann-7", "a golden value"),
+    ],
+)
 def test_every_kind_of_id_is_explain(identifier, kind):
     found = explain(identifier)
     assert str(found["kind"]).startswith(kind)

@@ -6,8 +6,24 @@ import numpy as np
 import pytest
 
 import leakref
-from leakref import (Components, Grid, LeakrefError, Note, SeaState, UniformCurrent, analyse, extract, fourier, leakage,
-                     leastsquares, nsp, reference, shell_wavenumbers, synthesize, transform)
+from leakref import (
+    Components,
+    Grid,
+    LeakrefError,
+    Note,
+    SeaState,
+    UniformCurrent,
+    analyse,
+    extract,
+    fourier,
+    leakage,
+    leastsquares,
+    nsp,
+    reference,
+    shell_wavenumbers,
+    synthesize,
+    transform,
+)
 from leakref.certify.subject.inprocess import Implementation
 from leakref.chain import Reference
 from leakref.methods import METHODS
@@ -35,8 +51,8 @@ def test_shells_are_whole_multiples_of_dk_from_0_4_to_3_5(length, first, last):
 @pytest.mark.parametrize("window", ["box", "hann", "blackman", "kaiser-bessel"])
 def test_velocities_by_either_route_are_the_same(small_grid, small_sea, surface, window, method):
     k = shell_wavenumbers(small_grid, 0.5, 2.6)
-    a, = transform(small_sea, small_grid, (window,))
-    b, = transform(small_sea, small_grid, (window,), route="B", largest_wavenumber=3.2)
+    (a,) = transform(small_sea, small_grid, (window,))
+    (b,) = transform(small_sea, small_grid, (window,), route="B", largest_wavenumber=3.2)
     assert np.abs(b.kx).max() <= 3.2 < np.abs(a.kx).max()
     one, other = (analyse(s, k, method=method) for s in (a, b))
     assert one.notes == other.notes
@@ -75,8 +91,10 @@ def test_extraction_is_deterministic_and_leaves_its_input_alone(small_grid, surf
         for name in ("velocities", "score", "gradient", "hessian"):
             assert np.array_equal(getattr(one, name), getattr(other, name))
     assert np.array_equal(surface, before)
-    assert np.array_equal(extract(surface.tolist(), small_grid.spacing, [1.0]).velocities,
-                          extract(surface, small_grid.spacing, [1.0]).velocities)
+    assert np.array_equal(
+        extract(surface.tolist(), small_grid.spacing, [1.0]).velocities,
+        extract(surface, small_grid.spacing, [1.0]).velocities,
+    )
 
 
 @pytest.mark.parametrize("method", ["nsp", "ls"])
@@ -94,7 +112,7 @@ def test_a_sea_turned_about_the_centre_turns_its_velocities(method):
     centre, k = (grid.lengths[0] / 2, grid.lengths[1] / 2), shell_wavenumbers(grid, 0.6, 2.4)
     found = {}
     for angle in (0, 90, 180, 270):
-        spectrum, = transform(sea.rotated(angle, centre), grid, ("hann",), route="A")
+        (spectrum,) = transform(sea.rotated(angle, centre), grid, ("hann",), route="A")
         found[angle] = analyse(spectrum, k, method=method)
     sound = [not note for note in found[0].notes]
     assert sum(sound) >= 6
@@ -134,7 +152,7 @@ def test_a_circular_shift_changes_nothing_under_box(small_grid, surface):
 def test_a_silent_shell_is_nan_and_noted_among_others(route):
     grid = Grid.scaled(5, 10)
     waves = Components([1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 1.0], [0.0, 1.0])
-    spectrum, = transform(waves, grid, ("box",), route=route)
+    (spectrum,) = transform(waves, grid, ("box",), route=route)
     found = analyse(spectrum, [1.0, 2.0], method="ls")
     assert found.velocities[0] == pytest.approx([0, 0], abs=1e-10)
     assert np.isnan(found.velocities[1]).all()
@@ -148,15 +166,15 @@ def test_the_reference_is_an_implementation_of_every_stage(small_grid, small_sea
     described = reference.describe()
     assert (described["name"], described["version"]) == ("leakref", leakref.__version__)
     assert [described[n] for n in ("units", "axes", "y", "direction")] == ["scaled", "xyt", "up", "to"]
-    assert described["can"]["extract"] == {"methods": ["nsp", "ls"], "windows": list(WINDOWS),
-                                           "resolves": "wavenumber"}
+    assert described["can"]["extract"] == {"methods": ["nsp", "ls"], "windows": list(WINDOWS), "resolves": "wavenumber"}
     assert set(described["can"]) == {"extract", "spectrum", "window", "synthesize"}
     assert np.array_equal(reference.window("hann", 8), WINDOWS["hann"].samples(8))
     axes = [small_grid.samples(axis) for axis in range(3)]
     assert np.array_equal(reference.synthesize(small_sea, *axes), surface)
     for window in WINDOWS:
-        assert np.array_equal(reference.spectrum(surface, small_grid.spacing, window=window),
-                              fourier(surface, small_grid, window).whole())
+        assert np.array_equal(
+            reference.spectrum(surface, small_grid.spacing, window=window), fourier(surface, small_grid, window).whole()
+        )
     velocities = reference.extract(surface, small_grid.spacing, np.array([1.0]), gravity=1.0, window="box", method="ls")
     assert velocities.shape == (1, 2)
     assert np.array_equal(velocities, extract(surface, small_grid.spacing, 1.0, window="box", method="ls").velocities)
@@ -173,36 +191,57 @@ def holding(value: float) -> np.ndarray:
     return eta
 
 
-@pytest.mark.parametrize(("refused", "call", "fault", "remedy"), [
-    (lambda: extract(holding(np.nan), (1, 1, 1), [1.0]), "extract", "1 of 512 values that are not finite", "remove"),
-    (lambda: extract(holding(np.inf), (1, 1, 1), [1.0]), "extract", "1 of 512 values", "fill"),
-    (lambda: extract(STILL + 0j, (1, 1, 1), [1.0]), "extract", "complex", "real numbers"),
-    (lambda: extract(STILL[0], (1, 1, 1), [1.0]), "extract", "shape (8, 8), 2 dimensions", "3 dimensions"),
-    (lambda: extract(STILL[None], (1, 1, 1), [1.0]), "extract", "4 dimensions", "3 dimensions"),
-    (lambda: extract(STILL[:1], (1, 1, 1), [1.0]), "Grid", "(1, 8, 8)", "two samples or more"),
-    (lambda: extract(STILL[:, :, :1], (1, 1, 1), [1.0]), "Grid", "(8, 8, 1)", "two samples or more"),
-    (lambda: extract(STILL[:, :0], (1, 1, 1), [1.0]), "Grid", "(8, 0, 8)", "two samples or more"),
-    (lambda: extract(STILL, (1, 0, 1), [1.0]), "Grid", "spacing", "> 0"),
-    (lambda: extract(STILL, (1, 1, -1), [1.0]), "Grid", "spacing", "> 0"),
-    (lambda: extract(STILL, (1, 1), [1.0]), "Grid", "spacing", "(dx, dy, dt)"),
-    (lambda: extract(STILL, (1, 1, 1), [1.0], window="welch"), "window", "'welch'", "box, hann, blackman, kaiser"),
-    (lambda: extract(STILL, (1, 1, 1), [1.0], method="nelder"), "analyse", "'nelder'", "nsp, ls"),
-    (lambda: extract(STILL, (1, 1, 1), [1.0], gravity=0), "Water", "gravity = 0", "> 0"),
-    (lambda: extract(STILL, (1, 1, 1), [3.0]), "shell_at", "Nyquist wavenumber", "ask for k below"),
-    (lambda: extract(STILL, (1, 1, 1), [0.4], half_width=0.1), "shell_at", "no bin", "widen"),
-    (lambda: extract(STILL, (1, 1, 1), []), "", "empty", "at least one"),
-    (lambda: extract(STILL, (1, 1, 1), [np.nan]), "", "not finite", "remove"),
-    (lambda: extract(STILL, (1, 1, 1), [-1.0]), "", "not positive", "> 0"),
-    (lambda: reference.spectrum(STILL[0], (1, 1, 1)), "spectrum", "2 dimensions", "3 dimensions"),
-    (lambda: transform(WAVE, GRID, ("hann",), route="C"), "transform", "'C'", "A (surface and FFT) or B (closed form)"),
-    (lambda: transform(WAVE, GRID, ("hann", "welch"), route="B"), "window", "'welch'", "box"),
-    (lambda: analyse(fourier(STILL, GRID), [1.0], method="ls", threshold=2), "leastsquares.extract", "threshold = 2",
-     "at most 1"),
-    (lambda: analyse(leakage.spectrum(WAVE, GRID, largest_wavenumber=0.5), [1.0]), "shell_at", "the spectrum only to",
-     "larger largest_wavenumber"),
-    (lambda: shell_wavenumbers(GRID, -1.0, 2.0), "shell_wavenumbers", "smallest = -1", "> 0"),
-    (lambda: shell_wavenumbers(GRID, np.nan, 2.0), "shell_wavenumbers", "smallest", ""),
-])
+@pytest.mark.parametrize(
+    ("refused", "call", "fault", "remedy"),
+    [
+        (
+            lambda: extract(holding(np.nan), (1, 1, 1), [1.0]),
+            "extract",
+            "1 of 512 values that are not finite",
+            "remove",
+        ),
+        (lambda: extract(holding(np.inf), (1, 1, 1), [1.0]), "extract", "1 of 512 values", "fill"),
+        (lambda: extract(STILL + 0j, (1, 1, 1), [1.0]), "extract", "complex", "real numbers"),
+        (lambda: extract(STILL[0], (1, 1, 1), [1.0]), "extract", "shape (8, 8), 2 dimensions", "3 dimensions"),
+        (lambda: extract(STILL[None], (1, 1, 1), [1.0]), "extract", "4 dimensions", "3 dimensions"),
+        (lambda: extract(STILL[:1], (1, 1, 1), [1.0]), "Grid", "(1, 8, 8)", "two samples or more"),
+        (lambda: extract(STILL[:, :, :1], (1, 1, 1), [1.0]), "Grid", "(8, 8, 1)", "two samples or more"),
+        (lambda: extract(STILL[:, :0], (1, 1, 1), [1.0]), "Grid", "(8, 0, 8)", "two samples or more"),
+        (lambda: extract(STILL, (1, 0, 1), [1.0]), "Grid", "spacing", "> 0"),
+        (lambda: extract(STILL, (1, 1, -1), [1.0]), "Grid", "spacing", "> 0"),
+        (lambda: extract(STILL, (1, 1), [1.0]), "Grid", "spacing", "(dx, dy, dt)"),
+        (lambda: extract(STILL, (1, 1, 1), [1.0], window="welch"), "window", "'welch'", "box, hann, blackman, kaiser"),
+        (lambda: extract(STILL, (1, 1, 1), [1.0], method="nelder"), "analyse", "'nelder'", "nsp, ls"),
+        (lambda: extract(STILL, (1, 1, 1), [1.0], gravity=0), "Water", "gravity = 0", "> 0"),
+        (lambda: extract(STILL, (1, 1, 1), [3.0]), "shell_at", "Nyquist wavenumber", "ask for k below"),
+        (lambda: extract(STILL, (1, 1, 1), [0.4], half_width=0.1), "shell_at", "no bin", "widen"),
+        (lambda: extract(STILL, (1, 1, 1), []), "", "empty", "at least one"),
+        (lambda: extract(STILL, (1, 1, 1), [np.nan]), "", "not finite", "remove"),
+        (lambda: extract(STILL, (1, 1, 1), [-1.0]), "", "not positive", "> 0"),
+        (lambda: reference.spectrum(STILL[0], (1, 1, 1)), "spectrum", "2 dimensions", "3 dimensions"),
+        (
+            lambda: transform(WAVE, GRID, ("hann",), route="C"),
+            "transform",
+            "'C'",
+            "A (surface and FFT) or B (closed form)",
+        ),
+        (lambda: transform(WAVE, GRID, ("hann", "welch"), route="B"), "window", "'welch'", "box"),
+        (
+            lambda: analyse(fourier(STILL, GRID), [1.0], method="ls", threshold=2),
+            "leastsquares.extract",
+            "threshold = 2",
+            "at most 1",
+        ),
+        (
+            lambda: analyse(leakage.spectrum(WAVE, GRID, largest_wavenumber=0.5), [1.0]),
+            "shell_at",
+            "the spectrum only to",
+            "larger largest_wavenumber",
+        ),
+        (lambda: shell_wavenumbers(GRID, -1.0, 2.0), "shell_wavenumbers", "smallest = -1", "> 0"),
+        (lambda: shell_wavenumbers(GRID, np.nan, 2.0), "shell_wavenumbers", "smallest", ""),
+    ],
+)
 def test_bad_input_is_refused_by_call_fault_and_remedy(refused, call, fault, remedy):
     with pytest.raises(LeakrefError) as caught:
         refused()

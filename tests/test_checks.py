@@ -9,13 +9,13 @@ import pytest
 
 from leakref import Components, Grid, LeakrefError
 from leakref.certify.checks import criteria, inputs, registry
-from leakref.certify.checks.signs import image
-from leakref.certify.runner import select, run_check
-from leakref.certify.checks.inputs import SEA, SHELLS, pair, sea
 from leakref.certify.checks.criteria import expected, score, unflagged
-from leakref.certify.subject.inprocess import InProcess
+from leakref.certify.checks.inputs import SEA, SHELLS, pair, sea
 from leakref.certify.checks.registry import CHECKS, FAMILIES, Outcome
+from leakref.certify.checks.signs import image
 from leakref.certify.checks.statistics import FALSE_ALARMS, TESTS, excess, share
+from leakref.certify.runner import run_check, select
+from leakref.certify.subject.inprocess import InProcess
 from leakref.certify.verdict import Unanswered, Verdict
 from leakref.chain import Reference, extract, reference
 from leakref.currents import UniformCurrent
@@ -57,6 +57,7 @@ def test_every_check_says_what_it_is_for():
 
 # ---------------------------------------------------------------- planted mistakes
 
+
 class Planted(Reference):
     """The reference with a mistake in front of it or behind it."""
 
@@ -80,8 +81,12 @@ class Drawn(Reference):
 
     def synthesize(self, components, x, y, t):
         drawn = np.random.default_rng(0).random(components.kx.size) * np.sqrt(2)
-        return super().synthesize(Components(components.kx, components.ky, components.omega,
-                                             components.amplitude * drawn, components.phase), x, y, t)
+        return super().synthesize(
+            Components(components.kx, components.ky, components.omega, components.amplitude * drawn, components.phase),
+            x,
+            y,
+            t,
+        )
 
 
 class Clipped(Reference):
@@ -152,16 +157,30 @@ def first_half(surface):
 
 
 MISTAKES = {
-    "negated": (Planted(after=lambda c, k: -c), ["signs.sea", "signs.aligned", "recovery.pair", "recovery.single",
-                                                "currents.strong", "scale.duration", "conformance.sea"]),
+    "negated": (
+        Planted(after=lambda c, k: -c),
+        [
+            "signs.sea",
+            "signs.aligned",
+            "recovery.pair",
+            "recovery.single",
+            "currents.strong",
+            "scale.duration",
+            "conformance.sea",
+        ],
+    ),
     "x flipped": (Planted(after=lambda c, k: c * [-1, 1]), ["signs.sea", "signs.aligned", "recovery.sea"]),
     "y flipped": (Planted(before=lambda eta: eta[:, ::-1]), ["signs.sea", "signs.aligned", "currents.aligned"]),
     "exchanged": (Planted(after=lambda c, k: c[:, ::-1]), ["signs.sea", "signs.aligned", "recovery.two-shells"]),
-    "without a taper": (Planted(window="box"), ["leakage.still", "leakage.swell", "leakage.flicker",
-                                                 "conformance.sea"]),
+    "without a taper": (
+        Planted(window="box"),
+        ["leakage.still", "leakage.swell", "leakage.flicker", "conformance.sea"],
+    ),
     "always tapered": (Planted(window="hann"), ["metamorphic.shift", "conformance.extract"]),
-    "a little current": (Planted(after=lambda c, k: c + 1e-3), ["leakage.aligned", "recovery.pair",
-                                                                   "currents.aligned"]),
+    "a little current": (
+        Planted(after=lambda c, k: c + 1e-3),
+        ["leakage.aligned", "recovery.pair", "currents.aligned"],
+    ),
     "biased": (Planted(after=lambda c, k: c * 1.3 + 0.1), ["leakage.bias", "behaviour.sizes"]),
     "limited": (Planted(after=lambda c, k: np.clip(c, -0.25, 0.25)), ["currents.strong", "currents.backwards"]),
     "only to the right": (Planted(after=lambda c, k: np.abs(c)), ["metamorphic.symmetry", "metamorphic.reversal"]),
@@ -208,8 +227,15 @@ def test_every_check_sees_some_mistake():
     assert {check for _, check in SEEN} | unseen == set(CHECKS)
 
 
-@pytest.mark.parametrize(("mistake", "words"), [("negated", "comes back negated"), ("x flipped", "with x flipped"),
-                                                ("y flipped", "with y flipped"), ("exchanged", "x and y exchanged")])
+@pytest.mark.parametrize(
+    ("mistake", "words"),
+    [
+        ("negated", "comes back negated"),
+        ("x flipped", "with x flipped"),
+        ("y flipped", "with y flipped"),
+        ("exchanged", "x and y exchanged"),
+    ],
+)
 def test_signs_say_what_it_looks_like(mistake, words):
     for check in ("signs.sea[to-22.5]", "signs.aligned[to-112.5]"):
         assert words in run_check(check, InProcess(MISTAKES[mistake][0])).message
@@ -226,6 +252,7 @@ def test_a_synthesis_that_slips_is_named():
 
 
 # ---------------------------------------------------------------- fair to codes that can do less, or other things
+
 
 class Only(Reference):
     """The reference that offers less."""
@@ -254,8 +281,15 @@ def verdicts(implementation, *patterns):
 
 
 def test_what_is_not_offered_is_not_judged():
-    found = verdicts(Only(windows=["box"]), "signs", "metamorphic.shift", "leakage.still", "recovery.pair", "synthesis",
-                     "conformance.window")
+    found = verdicts(
+        Only(windows=["box"]),
+        "signs",
+        "metamorphic.shift",
+        "leakage.still",
+        "recovery.pair",
+        "synthesis",
+        "conformance.window",
+    )
     for identifier, verdict in found.items():
         untapered = identifier.startswith(("signs.aligned", "metamorphic.shift", "recovery.pair"))
         assert verdict is (Verdict.PASS if untapered else Verdict.UNSUPPORTED), identifier
@@ -271,8 +305,9 @@ def test_a_code_that_always_tapers_is_judged_tapered():
 def test_one_velocity_for_the_band_is_judged_on_what_it_claims():
     found = verdicts(Band(), "signs", "recovery", "shear", "behaviour.order")
     unsupported = {i for i, verdict in found.items() if verdict is Verdict.UNSUPPORTED}
-    assert unsupported == {i for i in found if i.startswith(("shear.profile", "shear.slope", "behaviour.order",
-                                                             "recovery.single"))}
+    assert unsupported == {
+        i for i in found if i.startswith(("shear.profile", "shear.slope", "behaviour.order", "recovery.single"))
+    }
     assert {verdict for i, verdict in found.items() if i not in unsupported} == {Verdict.PASS}
     assert set(verdicts(Band(plus=0.3), "shear.band").values()) == {Verdict.FAIL}
 
@@ -285,7 +320,8 @@ def test_least_squares_alone_is_not_asked_what_it_cannot_know():
 def test_another_method_is_held_to_resolutions_not_to_digits():
     other = Only(methods=["fit"], windows=["box", "hann"])
     other.extract = lambda *cube, gravity=1.0, window="hann", method="": np.round(
-        Reference.extract(reference, *cube, gravity=gravity, window=window), 2)
+        Reference.extract(reference, *cube, gravity=gravity, window=window), 2
+    )
     found = verdicts(other, "recovery", "currents.aligned", "leakage.aligned", "leakage.bias")
     assert {verdict for i, verdict in found.items() if "single" not in i} == {Verdict.PASS}
     other.describe = lambda: {"can": {"extract": {"methods": ["nsp"], "windows": ["box", "hann"]}}}
@@ -348,6 +384,7 @@ def test_a_code_with_rows_downwards_sees_the_golden_arrays():
 
 # ---------------------------------------------------------------- inputs and tolerances
 
+
 class Watching(InProcess):
     """Keeps the shape, step, wavenumbers and largest frequency of every cube that is shown."""
 
@@ -408,8 +445,9 @@ def test_what_is_expected_is_what_the_plain_chain_says():
 def test_a_pair_has_the_current_it_says():
     cube = pair(inputs.EVEN, (5, 3), (-2, 5), (0.1, 0.2))
     w = cube.components
-    np.testing.assert_allclose(np.sqrt(np.hypot(w.kx, w.ky)) + np.stack([w.kx, w.ky], 1) @ cube.truth[0], w.omega,
-                               rtol=1e-14)
+    np.testing.assert_allclose(
+        np.sqrt(np.hypot(w.kx, w.ky)) + np.stack([w.kx, w.ky], 1) @ cube.truth[0], w.omega, rtol=1e-14
+    )
     assert np.hypot(*(cube.truth[0] - (0.1, 0.2))) < 0.08
 
 
@@ -436,6 +474,7 @@ def test_the_worst_of_several_methods_is_told():
 
 
 # ---------------------------------------------------------------- statistics
+
 
 def test_the_tests_of_a_run_share_its_false_alarms():
     assert len(CHECKS["leakage.bias"].cases) == TESTS
@@ -477,8 +516,9 @@ def test_conformance_is_to_the_golden_set_that_was_asked_for(tmp_path, monkeypat
     with resources.as_file(resources.files("leakref._golden").joinpath("v1")) as first:
         shutil.copytree(first, tmp_path / "v2")
     path = tmp_path / "v2" / "vectors" / "window.json"
-    path.write_text(path.read_text(encoding="utf-8").replace("0.18825509907063323", "0.19825509907063323"),
-                    encoding="utf-8")
+    path.write_text(
+        path.read_text(encoding="utf-8").replace("0.18825509907063323", "0.19825509907063323"), encoding="utf-8"
+    )
     making._write_manifest(tmp_path / "v2")  # a set that was made so; one that was edited is not read
     usual = conformance.locate
     monkeypatch.setattr(conformance, "locate", lambda n: usual(n) if n == 1 else tmp_path / f"v{n}")
@@ -499,8 +539,19 @@ class Square(Reference):
         return super().extract(surface, spacing, *rest, **settings)
 
 
-@pytest.mark.parametrize("family", ["signs", "recovery", "leakage.swell", "leakage.aligned", "currents.aligned",
-                                    "metamorphic.symmetry", "behaviour.sizes", "behaviour.input"])
+@pytest.mark.parametrize(
+    "family",
+    [
+        "signs",
+        "recovery",
+        "leakage.swell",
+        "leakage.aligned",
+        "currents.aligned",
+        "metamorphic.symmetry",
+        "behaviour.sizes",
+        "behaviour.input",
+    ],
+)
 def test_a_code_for_square_pixels_is_shown_square_pixels(family):
     found = [c(InProcess(Square()), case) for c, case in select([family], profile="quick")]
     assert {f.verdict for f in found} == {Verdict.PASS}, [(f.id, f.message) for f in found]

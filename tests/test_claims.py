@@ -9,16 +9,19 @@ import pytest
 
 from leakref import LeakrefError
 from leakref.cases import CASES, Configuration
-from leakref.claims import CLAIMS, EXTRA, Evidence, select, command, words
+from leakref.claims import CLAIMS, EXTRA, Evidence, command, select, words
 from leakref.claims.evidence import PLAIN, Setting
 from leakref.claims.stored import by_line, stored_claim, stored_claims
 from leakref.claims.words import Sample
-from leakref.golden.same import alike
 from leakref.ensemble import Ensemble
+from leakref.golden.same import alike
 from leakref.window import WINDOWS, Window
 
-IDS = [f"{group}{n}" for group, count in (("W", 9), ("N", 6), ("A", 14), ("P", 6), ("R", 7), ("U", 11), ("G", 6))
-       for n in range(1, count + 1)]
+IDS = [
+    f"{group}{n}"
+    for group, count in (("W", 9), ("N", 6), ("A", 14), ("P", 6), ("R", 7), ("U", 11), ("G", 6))
+    for n in range(1, count + 1)
+]
 PATTERN = np.array([-1.3, 1.3, -0.4, 0.4, 1.0, -1.0, 0.1, -0.1])
 PATTERN /= PATTERN.std(ddof=1)
 
@@ -81,8 +84,10 @@ def ensemble(velocities, configuration=None, **parameters):
 
 def sample(mean, sd=0.0, k=None):
     mean = np.atleast_1d(np.asarray(mean, dtype=float))
-    return Sample(np.arange(mean.size, dtype=float) if k is None else np.asarray(k, dtype=float),
-                  mean + np.outer(PATTERN, np.broadcast_to(sd, mean.shape)))
+    return Sample(
+        np.arange(mean.size, dtype=float) if k is None else np.asarray(k, dtype=float),
+        mean + np.outer(PATTERN, np.broadcast_to(sd, mean.shape)),
+    )
 
 
 def test_bands_of_k():
@@ -138,8 +143,9 @@ def test_statistics_of_an_ensemble():
 
 def test_the_error_of_a_standard_deviation_is_that_found_by_repeating():
     rng = np.random.default_rng(5)
-    repeats = [words.random(ensemble(np.stack([rng.normal(3, 1, (100, 1)), np.zeros((100, 1))], axis=-1)))
-               for _ in range(400)]
+    repeats = [
+        words.random(ensemble(np.stack([rng.normal(3, 1, (100, 1)), np.zeros((100, 1))], axis=-1))) for _ in range(400)
+    ]
     found = np.std([r.mean[0] for r in repeats])
     assert np.mean([r.error[0] for r in repeats]) == pytest.approx(found, rel=0.15)
 
@@ -164,7 +170,11 @@ def test_shown_contradicted_and_open():
     assert words.above(sample([0.0])).every is False  # surely zero is not above zero
     assert words.below(sample([1.0, 2.0]), np.array([1.5, 2.5])).every is True
     assert words.pooled(words.above(sample([1.0])), words.above(sample([-1.0]))).figure == {
-        "shown": 1, "contradicted": 1, "of": 2, "mean_margin": 0.0}
+        "shown": 1,
+        "contradicted": 1,
+        "of": 2,
+        "mean_margin": 0.0,
+    }
 
 
 def test_nothing_compared_is_nothing_shown():
@@ -279,6 +289,7 @@ def method_world(nsp_low, nsp_high, ls_low, ls_high):
         pair = (nsp_low, nsp_high) if method == "nsp" else (ls_low, ls_high)
         size = np.where(k < 1, *pair) * large
         return size, 0.5 * size, 90.0
+
     return formula
 
 
@@ -290,15 +301,19 @@ def angled(angle, size=1.0):
 def by(size, sd=0.01, angle=90.0):
     """Errors in units of the smaller resolution that depend on the configuration."""
     return lambda c, window, method, setting, k, small, large: (
-        (s := size(c, window, setting, k) * small), sd * s, angle)
-
+        (s := size(c, window, setting, k) * small),
+        sd * s,
+        angle,
+    )
 
 
 def c0(size, angle=90.0, sd=0.01):
     """Errors in units of c0: of (c, window, setting, k)."""
+
     def formula(c, window, method, setting, k, small, large):
         length = size(c, window, setting, k) + 0 * k
         return length, sd * np.abs(length), angle(c, k) if callable(angle) else angle
+
     return formula
 
 
@@ -329,17 +344,28 @@ WORLDS = {
     "blackman higher": MadeUp(by(lambda c, w, s, k: 0.21 if w == "blackman" else 0.2)),
     "beyond 60": MadeUp(c0(lambda c, w, s, k: 60 / c.spread)),
     "gamma": MadeUp(c0(peaked_sizes, sd=0.3)),
-    "direction": MadeUp(c0(lambda c, w, s, k: (0.9 - c.direction / 200 - c.rotation / 200 if w == "box" else 0.01),
-                           sd=0.3)),
+    "direction": MadeUp(
+        c0(lambda c, w, s, k: 0.9 - c.direction / 200 - c.rotation / 200 if w == "box" else 0.01, sd=0.3)
+    ),
     "peak": MadeUp(by(lambda c, w, s, k: (0.01 if s.without_peak else 4.0) * np.where(np.abs(k - 1) < 0.11, 3, 1))),
     "sideways": MadeUp(c0(lambda c, w, s, k: 0.1, lambda c, k: c.direction + 90)),
     "hann at high k": MadeUp(c0(lambda c, w, s, k: 1.0 if w == "box" else np.where(k < 1, 0.5, 0.01))),
     "turned": MadeUp(c0(lambda c, w, s, k: 0.01 * (1 + c.rotation) * (2 if s.resampled else 1), along_current)),
     "spread at L": MadeUp(c0(lambda c, w, s, k: 1 if c.length == 10 or c.spread != 45 else c.length)),
-    "resolution": MadeUp(c0(lambda c, w, s, k: (10 / c.length) ** 2 * (20 / c.duration) ** 0.5 if w == "box" else
-                            0.1 * (10 / c.length) ** 2)),
-    "space": MadeUp(c0(lambda c, w, s, k: 0.1 * (10 / c.length) ** 2 * (20 / c.duration) if w == "box" else
-                       0.005 * (20 / c.duration))),
+    "resolution": MadeUp(
+        c0(
+            lambda c, w, s, k: (
+                (10 / c.length) ** 2 * (20 / c.duration) ** 0.5 if w == "box" else 0.1 * (10 / c.length) ** 2
+            )
+        )
+    ),
+    "space": MadeUp(
+        c0(
+            lambda c, w, s, k: (
+                0.1 * (10 / c.length) ** 2 * (20 / c.duration) if w == "box" else 0.005 * (20 / c.duration)
+            )
+        )
+    ),
     "moving": MadeUp(c0(lambda c, w, s, k: np.exp(-4 * (k - 1 - 20 / c.duration) ** 2))),
     "with waves": MadeUp(c0(lambda c, w, s, k: np.where(k < 1, 0.03, 0.015), with_waves)),
     "same": MadeUp(c0(lambda c, w, s, k: 0.1, along_current)),
@@ -347,33 +373,72 @@ WORLDS = {
     "turning": MadeUp(c0(lambda c, w, s, k: np.where(k < 1.5, 0.1, 0))),
     "aside": MadeUp(c0(lambda c, w, s, k: 0.5 if w == "box" else 1e-4, lambda c, k: c.current_direction + 60)),
     "slower": MadeUp(c0(lambda c, w, s, k: 0.9 * c.speed, lambda c, k: c.current_direction + 180)),
-    "crossing": MadeUp(c0(lambda c, w, s, k: 0.1 + (c.rotation != 0) * (0.2 if c.current_direction else 0.5),
-                          along_current)),
+    "crossing": MadeUp(
+        c0(lambda c, w, s, k: 0.1 + (c.rotation != 0) * (0.2 if c.current_direction else 0.5), along_current)
+    ),
 }
 """Made-up evidence between which every verdict changes."""
 
 
 FLIPS = {
-    "W1": ("everything", "nothing"), "W3": ("reverse", "nothing"), "W4": ("reverse", "nothing"),
-    "W5": ("paper", "nothing"), "W6": ("paper", "nothing"), "W7": ("width", "nothing"), "W8": ("nothing", "everything"),
-    "W9": ("blackman higher", "nothing"), "N1": ("everything", "nothing"), "N2": ("nothing", "everything"),
-    "N3": ("ls better", "nothing"), "N4": ("everything", "nothing"), "N5": ("nsp better", "nothing"),
-    "N6": ("nsp better", "everything"), "A1": ("with waves", "reverse"), "A2": ("with waves", "nothing"),
-    "A3": ("sideways", "nothing"), "A4": ("paper", "nothing"), "A5": ("nothing", "beyond 60"),
-    "A6": ("nothing", "everything"), "A7": ("direction", "nothing"), "A8": ("hann at high k", "paper"),
-    "A9": ("nothing", "turned"), "A10": ("nothing", "everything"), "A11": ("paper", "nothing"),
-    "A12": ("across", "nothing"), "A13": ("nothing", "everything"), "A14": ("nothing", "peak"),
-    "P1": ("paper", "nothing"), "P2": ("gamma", "nothing"), "P3": ("spread at L", "nothing"),
-    "P4": ("everything", "nothing"), "P5": ("nothing", "everything"), "P6": ("nothing", "reverse"),
-    "R1": ("resolution", "nothing"), "R2": ("moving", "nothing"), "R3": ("resolution", "nothing"),
-    "R4": ("reverse", "nothing"), "R5": ("nothing", "everything"), "R6": ("resolution", "nothing"),
-    "R7": ("nothing", "reverse"), "U1": ("with waves", "nothing"), "U2": ("same", "faster"),
-    "U3": ("turning", "nothing"), "U4": ("aside", "nothing"), "U5": ("same", "nothing"),
+    "W1": ("everything", "nothing"),
+    "W3": ("reverse", "nothing"),
+    "W4": ("reverse", "nothing"),
+    "W5": ("paper", "nothing"),
+    "W6": ("paper", "nothing"),
+    "W7": ("width", "nothing"),
+    "W8": ("nothing", "everything"),
+    "W9": ("blackman higher", "nothing"),
+    "N1": ("everything", "nothing"),
+    "N2": ("nothing", "everything"),
+    "N3": ("ls better", "nothing"),
+    "N4": ("everything", "nothing"),
+    "N5": ("nsp better", "nothing"),
+    "N6": ("nsp better", "everything"),
+    "A1": ("with waves", "reverse"),
+    "A2": ("with waves", "nothing"),
+    "A3": ("sideways", "nothing"),
+    "A4": ("paper", "nothing"),
+    "A5": ("nothing", "beyond 60"),
+    "A6": ("nothing", "everything"),
+    "A7": ("direction", "nothing"),
+    "A8": ("hann at high k", "paper"),
+    "A9": ("nothing", "turned"),
+    "A10": ("nothing", "everything"),
+    "A11": ("paper", "nothing"),
+    "A12": ("across", "nothing"),
+    "A13": ("nothing", "everything"),
+    "A14": ("nothing", "peak"),
+    "P1": ("paper", "nothing"),
+    "P2": ("gamma", "nothing"),
+    "P3": ("spread at L", "nothing"),
+    "P4": ("everything", "nothing"),
+    "P5": ("nothing", "everything"),
+    "P6": ("nothing", "reverse"),
+    "R1": ("resolution", "nothing"),
+    "R2": ("moving", "nothing"),
+    "R3": ("resolution", "nothing"),
+    "R4": ("reverse", "nothing"),
+    "R5": ("nothing", "everything"),
+    "R6": ("resolution", "nothing"),
+    "R7": ("nothing", "reverse"),
+    "U1": ("with waves", "nothing"),
+    "U2": ("same", "faster"),
+    "U3": ("turning", "nothing"),
+    "U4": ("aside", "nothing"),
+    "U5": ("same", "nothing"),
     "U6": ("everything", "nothing"),
-    "U7": ("crossing", "reverse"), "U8": ("slower", "nothing"), "U9": ("nothing", "reverse"),
-    "U10": ("nothing", "turned"), "U11": ("nsp better", "nothing"), "G1": ("paper", "nothing"),
-    "G2": ("direction", "nothing"), "G3": ("space", "across"), "G4": ("nothing", "everything"),
-    "G5": ("gamma", "reverse"), "G6": ("resolution", "nothing"),
+    "U7": ("crossing", "reverse"),
+    "U8": ("slower", "nothing"),
+    "U9": ("nothing", "reverse"),
+    "U10": ("nothing", "turned"),
+    "U11": ("nsp better", "nothing"),
+    "G1": ("paper", "nothing"),
+    "G2": ("direction", "nothing"),
+    "G3": ("space", "across"),
+    "G4": ("nothing", "everything"),
+    "G5": ("gamma", "reverse"),
+    "G6": ("resolution", "nothing"),
 }
 """For each claim a world in which every reading holds, and one in which none does."""
 
@@ -403,8 +468,15 @@ def test_what_a_verdict_depends_on_is_named():
 
 
 def test_shells_without_a_number_are_neither_better_nor_worse():
-    found = CLAIMS["N5"].judge(MadeUp(lambda c, w, m, s, k, small, large: (
-        np.select([k > 2.05, k > 1.55], [np.nan, 2], 0.5) * small if m == "ls" else small, 0.01 * small, 90.0)))
+    found = CLAIMS["N5"].judge(
+        MadeUp(
+            lambda c, w, m, s, k, small, large: (
+                np.select([k > 2.05, k > 1.55], [np.nan, 2], 0.5) * small if m == "ls" else small,
+                0.01 * small,
+                90.0,
+            )
+        )
+    )
     assert found.verdict == "not reproduced"
     assert found.readings[1].figure["significantly_better"] == 5  # the bias at k = 1.1 to 1.5; the scatter is the same
 
@@ -470,8 +542,12 @@ def test_command_prints_writes_and_draws(tmp_path, capsys):
     assert shown["schema"] == "leakref/claims/1"
     assert [claim["id"] for claim in shown["claims"]] == ["W1", "A1"]
     assert json.loads(out.read_text(encoding="utf-8")) == shown
-    assert {path.name for path in tmp_path.glob("claim_*")} == {"claim_W1.png", "claim_W1.svg", "claim_A1.png",
-                                                               "claim_A1.svg"}
+    assert {path.name for path in tmp_path.glob("claim_*")} == {
+        "claim_W1.png",
+        "claim_W1.svg",
+        "claim_A1.png",
+        "claim_A1.svg",
+    }
     command.run(["W1"], realizations=2, place=tmp_path, workers=1, figures=False, out=None, json=False)
     assert "reproduced" in capsys.readouterr().out
 

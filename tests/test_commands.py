@@ -17,8 +17,14 @@ from leakref.cli.base import app
 
 
 def leakref(*words, cwd=None):
-    return subprocess.run([sys.executable, "-c", "from leakref.cli import main; main()", *map(str, words)],
-                          capture_output=True, text=True, encoding="utf-8", cwd=cwd, timeout=300)
+    return subprocess.run(
+        [sys.executable, "-c", "from leakref.cli import main; main()", *map(str, words)],
+        capture_output=True,
+        text=True,
+        encoding="utf-8",
+        cwd=cwd,
+        timeout=300,
+    )
 
 
 def here(*words, cwd="."):
@@ -58,8 +64,9 @@ def test_reproduce_prints_one_object_and_writes_what_it_prints(reproduced):
         assert [float(row["wavenumber"]) for row in rows] == entry["wavenumbers"]
     with np.load(out / "L-T_L5_T10.npz") as stored:
         assert stored["hann_nsp_velocities"].shape == (2, 16, 2)
-        np.testing.assert_allclose(np.hypot(*stored["box_nsp_velocities"].T).mean(axis=1),
-                                   printed["cases"][0]["bias"], rtol=1e-12)
+        np.testing.assert_allclose(
+            np.hypot(*stored["box_nsp_velocities"].T).mean(axis=1), printed["cases"][0]["bias"], rtol=1e-12
+        )
     assert (out / "figure_L-T.png").stat().st_size > 10_000
     assert not list(out.glob(".*"))  # nothing half written is left
 
@@ -70,12 +77,18 @@ def test_the_table_shows_every_wavenumber(tmp_path):
     assert len(re.findall(r"^│ +\d\.\d\d ", done.stdout, re.MULTILINE)) == 16
 
 
-@pytest.mark.parametrize(("words", "said"), [
-    (["reproduce"], "no case was named"), (["reproduce", "nonsense"], "no case is called 'nonsense'"),
-    (["reproduce", "--all", "nsp-ls"], "both --all and cases"),
-    (["reproduce", "nsp-ls", "--route", "C"], "no route named 'C'"),
-    (["reproduce", "nsp-ls", "--realizations", "0"], "--realizations"), (["nonsense"], "nonsense"),
-    (["reproduce", "L-T/L=5,T=10", "--realizations", "1", "--out", "file/x"], "file/x")])
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["reproduce"], "no case was named"),
+        (["reproduce", "nonsense"], "no case is called 'nonsense'"),
+        (["reproduce", "--all", "nsp-ls"], "both --all and cases"),
+        (["reproduce", "nsp-ls", "--route", "C"], "no route named 'C'"),
+        (["reproduce", "nsp-ls", "--realizations", "0"], "--realizations"),
+        (["nonsense"], "nonsense"),
+        (["reproduce", "L-T/L=5,T=10", "--realizations", "1", "--out", "file/x"], "file/x"),
+    ],
+)
 def test_wrong_use_exits_2_with_one_message_and_no_traceback(words, said, tmp_path):
     (tmp_path / "file").touch()
     done = leakref(*words, cwd=tmp_path)
@@ -128,4 +141,5 @@ def test_files_are_whole_or_not_there(tmp_path):
 
 def test_json_has_no_nan():
     assert _output.dump({"a": np.array([1.0, np.nan]), "b": (np.int64(3), np.True_), "c": Path("x")}) == (
-        '{"a": [1.0, null], "b": [3, true], "c": "x"}')
+        '{"a": [1.0, null], "b": [3, true], "c": "x"}'
+    )

@@ -23,10 +23,28 @@ from leakref.dispersion import velocity_resolutions
 from leakref.ensemble import Ensemble
 from leakref.shell import Note
 
-SMALL = Configuration("small", direction=60, spread=45, length=3, duration=5, speed=0.1, current_direction=20,
-                      rotation=30, windows=("box", "hann", "kaiser-bessel"))
-QUICK = {"edge-bins-out", "cut-at-3", "threshold-of-amplitude", "encounter-frequency", "other-sense", "about-corner",
-         "symmetric-hann", "kaiser-2-pi", "ls-early-stop"}  # nothing to compile
+SMALL = Configuration(
+    "small",
+    direction=60,
+    spread=45,
+    length=3,
+    duration=5,
+    speed=0.1,
+    current_direction=20,
+    rotation=30,
+    windows=("box", "hann", "kaiser-bessel"),
+)
+QUICK = {
+    "edge-bins-out",
+    "cut-at-3",
+    "threshold-of-amplitude",
+    "encounter-frequency",
+    "other-sense",
+    "about-corner",
+    "symmetric-hann",
+    "kaiser-2-pi",
+    "ls-early-stop",
+}  # nothing to compile
 CASE = "L-T/L=5,T=10"
 ACTS_NOT = {"large-simplex", "newton-from-rest", "unit-by-shell"}  # on this sea: they all climb the same hill
 
@@ -42,20 +60,31 @@ def literal(variant, configuration):
     own = chain.cases.Configuration(**asdict(configuration))
     windows = tuple(name for name in configuration.windows if name in variant.windows)
     spectra = chain.chain.transform(own.components(0), own.grid, windows, route="A")
-    return np.array([[chain.chain.analyse(s, own.wavenumbers, method=m, search=False).velocities
-                      for m in variant.methods] for s in spectra])
+    return np.array(
+        [
+            [chain.chain.analyse(s, own.wavenumbers, method=m, search=False).velocities for m in variant.methods]
+            for s in spectra
+        ]
+    )
 
 
-@pytest.mark.parametrize("id", [id if id in QUICK else pytest.param(id, marks=pytest.mark.slow)
-                                for id, variant in VARIANTS.items() if not variant.setting.resampled])
+@pytest.mark.parametrize(
+    "id",
+    [
+        id if id in QUICK else pytest.param(id, marks=pytest.mark.slow)
+        for id, variant in VARIANTS.items()
+        if not variant.setting.resampled
+    ],
+)
 def test_a_variant_is_the_same_in_the_compiled_and_in_the_literal_chain(id, reference):
     variant = VARIANTS[id]
     found, wanted = velocities(variant, SMALL, 0), literal(variant, SMALL)
     wanted = wanted[:, :, :: 2 if id == "denser-shells" else 1]
     stop = 1e-7 if id == "ls-by-simplex" else 1e-11  # which ends within 1e-8 of the minimum, by other paths
     np.testing.assert_allclose(found, wanted, rtol=0, atol=stop)  # NaN where the other has it
-    plain = np.array([[reference[w, m].velocities for m in variant.methods]
-                      for w in SMALL.windows if w in variant.windows])
+    plain = np.array(
+        [[reference[w, m].velocities for m in variant.methods] for w in SMALL.windows if w in variant.windows]
+    )
     off = np.hypot(*np.moveaxis(wanted - plain, -1, 0))
     acts = id not in {"denser-shells", "printed-amplitudes", "ls-by-simplex"} | ACTS_NOT
     assert (np.nanmax(off) > 1e-7 or np.isnan(off).any()) == acts
@@ -102,7 +131,8 @@ def test_shifts_are_distances_and_flagged_shells_stand_apart():
     assert row["unflagged"]["shells"] == row["unflagged"]["moved"] == 3
     assert row["unflagged"]["c0"] == {"median": 0.3, "p95": 0.3, "largest": 0.3}
     assert row["unflagged"]["resolution"]["largest"] == pytest.approx(
-        0.3 / min(r[0] for r in ensemble(before).resolutions), rel=0.01)
+        0.3 / min(r[0] for r in ensemble(before).resolutions), rel=0.01
+    )
     assert row["flagged"]["shells"] == 2
     assert row["flagged"]["moved"] == 1
     assert row["flagged"]["c0"] == {"median": 2.5, "p95": 4.75, "largest": 5}
@@ -114,8 +144,10 @@ def test_the_change_of_the_error_is_paired_and_against_the_current():
     row = shifts.summary([Shifts(VARIANTS["edge-bins-out"], before, np.array([0, 0.35]) + noise)], "one")
     assert row["bias_change"]["mean"] == pytest.approx(0.05)
     assert row["bias_change"]["standard_error"] < 1e-12
-    assert shifts.summary([Shifts(VARIANTS["edge-bins-out"], before, np.full((5, 3, 2), np.nan))],
-                          "one")["bias_change"] is None
+    assert (
+        shifts.summary([Shifts(VARIANTS["edge-bins-out"], before, np.full((5, 3, 2), np.nan))], "one")["bias_change"]
+        is None
+    )
 
 
 def test_a_sea_turned_the_other_way_is_turned_back_before_it_is_compared():
@@ -150,7 +182,8 @@ def eight(monkeypatch):
     """The small sea as if it were one of the eight."""
     monkeypatch.setattr(shifts, "configurations", lambda ids: [SMALL])
     return replace(VARIANTS["both-halves"], configurations=(SMALL.id,)), replace(
-        VARIANTS["edge-bins-out"], configurations=(SMALL.id,), realizations=1)
+        VARIANTS["edge-bins-out"], configurations=(SMALL.id,), realizations=1
+    )
 
 
 def test_a_study_is_kept_and_resumed(eight, tmp_path, monkeypatch):
@@ -170,11 +203,16 @@ def test_claims_that_turn_are_found_and_others_left_out(tmp_path):
     def claim(id, method, limit, configuration=SMALL):
         def predicate(see):
             yield from every({}, large=above(bias(see(configuration, "hann", method)), limit))
+
         return Claim(id, "", "", "", predicate)
 
     bare = Claim("window", "", "", "", lambda see: every({}, good=above(bias(ensemble(np.ones((2, 1, 2)))))))
-    claims = [claim("turns", "ls", 0.3), claim("stays", "nsp", 1e-6), bare,
-              claim("elsewhere", "ls", 0.3, replace(SMALL, varied=("spread",)))]
+    claims = [
+        claim("turns", "ls", 0.3),
+        claim("stays", "nsp", 1e-6),
+        bare,
+        claim("elsewhere", "ls", 0.3, replace(SMALL, varied=("spread",))),
+    ]
     found = rejudged([VARIANTS["both-halves"]], claims, realizations=3, folder=tmp_path, executor=None, ids=[SMALL.id])
     assert [(one["id"], len(one["flipped"])) for one in found] == [("turns", 1), ("stays", 0)]
     assert found[0]["decision"] == "D19"
@@ -188,8 +226,12 @@ def test_what_is_kept_covers_every_variant_on_every_sea():
     kept = stored_decisions()
     assert [record["id"] for record in kept["decisions"]] == list(DECISIONS)
     assert kept["configurations"] == list(CONFIGURATIONS)
-    rows = {(v["id"], row["case"], row["method"], row["window"]): row for record in kept["decisions"]
-            for v in record["variants"] for row in v["rows"]}
+    rows = {
+        (v["id"], row["case"], row["method"], row["window"]): row
+        for record in kept["decisions"]
+        for v in record["variants"]
+        for row in v["rows"]
+    }
     assert {id for id, *_ in rows} == set(VARIANTS)
     for v in VARIANTS.values():
         for case, method, window in product(("all", *v.configurations), v.methods, v.windows):
@@ -230,8 +272,12 @@ def test_the_guide_says_which_verdicts_turn():
     assert f"under the {counted[1]} variants that matter, {counted[0]} have a reading that turns" in text
 
 
-FINEST = min(float(min(map(np.min, velocity_resolutions(c.wavenumbers, c.grid.wavenumber_resolution,
-                                                        c.grid.frequency_resolution)))) for c in CASES["L-T"])
+FINEST = min(
+    float(
+        min(map(np.min, velocity_resolutions(c.wavenumbers, c.grid.wavenumber_resolution, c.grid.frequency_resolution)))
+    )
+    for c in CASES["L-T"]
+)
 PRECISION = 2e-11  # c0: the difference of two velocities, each of which another processor rounds within 1e-11
 
 
@@ -254,8 +300,13 @@ def test_what_is_kept_is_found_again():
     """The cheapest of the eight seas, and the variants for which nothing need be compiled."""
     ids = ("edge-bins-out", "cut-at-3", "threshold-of-amplitude", "threshold-of-all")
     found = study([VARIANTS[id] for id in ids], (CASE,))
-    kept = {(v["id"], row["window"], row["method"]): row for record in stored_decisions()["decisions"]
-            for v in record["variants"] for row in v["rows"] if row["case"] == CASE}
+    kept = {
+        (v["id"], row["window"], row["method"]): row
+        for record in stored_decisions()["decisions"]
+        for v in record["variants"]
+        for row in v["rows"]
+        if row["case"] == CASE
+    }
     for id in ids:
         for s in found[id][0]:
             row, before = shifts.summary([s], CASE), kept[id, s.reference.window, s.reference.method]
@@ -266,8 +317,13 @@ def test_what_is_kept_is_found_again():
 
 @pytest.mark.parametrize("by", [1.012, -1, np.nan])
 def test_another_number_would_be_found(by):
-    row = next(row for record in stored_decisions()["decisions"] for v in record["variants"] for row in v["rows"]
-               if row["unflagged"]["shells"] and row["unflagged"]["c0"]["largest"] > 1e-6)
+    row = next(
+        row
+        for record in stored_decisions()["decisions"]
+        for v in record["variants"]
+        for row in v["rows"]
+        if row["unflagged"]["shells"] and row["unflagged"]["c0"]["largest"] > 1e-6
+    )
     other = json.loads(json.dumps(row))
     other["unflagged"]["c0"]["largest"] *= by
     assert list(unlike(row, row)) == []

@@ -9,19 +9,34 @@ import numpy as np
 import pytest
 
 from leakref.altered import altered
-from leakref.certify.strength import faults
-from leakref.certify.strength import study
 from leakref.certify.certificate import Certificate
-from leakref.certify.runner import select, run_checks
+from leakref.certify.runner import run_checks, select
+from leakref.certify.strength import faults, study
 from leakref.certify.strength.diagnosis import ENOUGH, departure, diagnose, explain
 from leakref.certify.strength.faults import FAULTS, implementation
 from leakref.certify.subject.inprocess import InProcess
 from leakref.chain import reference
 
-SOME = ("signs.aligned", "recovery.pair[even-1]", "recovery.pair[odd-2]", "conformance.window", "conformance.surface",
-        "behaviour.deterministic")
-FEW = ("exchanged-axes", "negated-current", "flipped-y", "solve-sign-slip", "symmetric-taper", "knots", "smoothed",
-       "hertz-for-radians", "depth-assumed", "rounded-answer")
+SOME = (
+    "signs.aligned",
+    "recovery.pair[even-1]",
+    "recovery.pair[odd-2]",
+    "conformance.window",
+    "conformance.surface",
+    "behaviour.deterministic",
+)
+FEW = (
+    "exchanged-axes",
+    "negated-current",
+    "flipped-y",
+    "solve-sign-slip",
+    "symmetric-taper",
+    "knots",
+    "smoothed",
+    "hertz-for-radians",
+    "depth-assumed",
+    "rounded-answer",
+)
 EARLY = 6e-5
 """In c0: by how much optimisers at default tolerances miss."""
 
@@ -41,6 +56,7 @@ def wrong(code, *checks):
 
 def answering(change, method="nsp"):
     """A code that answers what `change` makes of the reference's velocities (n, 2) at wavenumbers (n,)."""
+
     def other(surface, spacing, wavenumbers, *, gravity, window):
         found = reference.extract(surface, spacing, wavenumbers, gravity=gravity, window=window, method=method)
         return change(found, np.asarray(wavenumbers))
@@ -86,8 +102,10 @@ def test_of_a_sound_code_it_is_said_that_it_is_another_algorithm(few):
     _, _, findings = wrong(narrow, "recovery.pair", "conformance.extract")
     found = explain(certificate_of(narrow, findings))
     assert found.grade == "sound"
-    assert found.explanation.startswith("another algorithm: it differs from the golden values as no fault of the list "
-                                        "does, most in conformance.extract[")
+    assert found.explanation.startswith(
+        "another algorithm: it differs from the golden values as no fault of the list "
+        "does, most in conformance.extract["
+    )
 
 
 def test_axes_are_named_in_whose_frame(few):
@@ -130,9 +148,15 @@ def test_of_square_pixels_the_hypotheses_are_given_the_same(few):
     assert (best.fault, best.digits > 12) == ("exchanged-axes", True)
 
 
-@pytest.mark.parametrize(("matrix", "fault", "words"), [
-    ([[0, 0.9], [0.9, 0]], "exchanged-axes", "x and y exchanged"), ([[-1, 0], [0, -1]], "negated-current", "negated"),
-    ([[2.5, 0], [0, 2.5]], "factor", "times 2.5"), ([[0, 0], [0, 1]], "lost-x", "without an x component")])
+@pytest.mark.parametrize(
+    ("matrix", "fault", "words"),
+    [
+        ([[0, 0.9], [0.9, 0]], "exchanged-axes", "x and y exchanged"),
+        ([[-1, 0], [0, -1]], "negated-current", "negated"),
+        ([[2.5, 0], [0, 2.5]], "factor", "times 2.5"),
+        ([[0, 0], [0, 1]], "lost-x", "without an x component"),
+    ],
+)
 def test_of_another_algorithm_what_is_common_is_named(matrix, fault, words, few):
     noise = np.random.default_rng(0)
     other = answering(lambda found, k: (found + 0.02 * noise.standard_normal(found.shape)) @ np.array(matrix).T)
@@ -148,11 +172,15 @@ def turn(degrees):
     return np.array([[c, -s], [s, c]])
 
 
-@pytest.mark.parametrize(("change", "words"), [
-    (lambda found, k: found * 1.37, "times 1.37"),
-    (lambda found, k: found * 1.02, "times 1.02"),
-    (lambda found, k: found @ turn(33).T, "turned by 33 degrees"),
-    (lambda found, k: found @ turn(-120).T * 0.5, "turned by -120 degrees and times 0.5")])
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda found, k: found * 1.37, "times 1.37"),
+        (lambda found, k: found * 1.02, "times 1.02"),
+        (lambda found, k: found @ turn(33).T, "turned by 33 degrees"),
+        (lambda found, k: found @ turn(-120).T * 0.5, "turned by -120 degrees and times 0.5"),
+    ],
+)
 def test_what_is_odd_but_simple_is_described(change, words, few):
     failed, declared, _ = wrong(answering(change), "signs.aligned", "recovery.pair")
     said = diagnose(failed, declared)
@@ -174,11 +202,13 @@ def test_a_factor_that_depends_on_the_scale_is_described(few):
     assert "0.50 at 1, 1.00 at 4" in best.words
 
 
-ODD = {"half of it and a constant": lambda found, k: 0.5 * found + [0.12, -0.1],
-       "a field of its own": lambda found, k: np.column_stack([np.sin(5 * k), np.cos(7 * k)]) * 0.3,
-       "the components squared": lambda found, k: np.sign(found) * found**2 * 4 + 0.1,
-       "one value whatever there is": lambda found, k: np.full_like(found, 0.016),
-       "sheared": lambda found, k: found + np.outer(np.sin(40 * k), [0.3, -0.2])}
+ODD = {
+    "half of it and a constant": lambda found, k: 0.5 * found + [0.12, -0.1],
+    "a field of its own": lambda found, k: np.column_stack([np.sin(5 * k), np.cos(7 * k)]) * 0.3,
+    "the components squared": lambda found, k: np.sign(found) * found**2 * 4 + 0.1,
+    "one value whatever there is": lambda found, k: np.full_like(found, 0.016),
+    "sheared": lambda found, k: found + np.outer(np.sin(40 * k), [0.3, -0.2]),
+}
 
 
 @pytest.mark.parametrize("what", ODD)
@@ -203,10 +233,12 @@ def test_the_first_stage_that_departs_is_named():
 
 def stopped_early(finding, noise):
     """As if velocities came from another optimiser, and arrays from single precision."""
+
     def other(call):
         off = noise.standard_normal(call.answer.shape)
-        return replace(call, answer=call.answer + EARLY * off if call.stage == "extract" else
-                       call.answer * (1 + 1e-7 * off))
+        return replace(
+            call, answer=call.answer + EARLY * off if call.stage == "extract" else call.answer * (1 + 1e-7 * off)
+        )
 
     return replace(finding, calls=tuple(map(other, finding.calls)))
 

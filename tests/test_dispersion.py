@@ -38,8 +38,10 @@ def test_velocity_resolutions_refuse_what_is_not_positive(bad):
 
 
 # adaptive quadrature to 1e-12 of unit velocities, two components
-@pytest.mark.parametrize("closed", [UniformCurrent((0.2, -0.3)), LinearCurrent((0.2, -0.1), (0.05, 0.4)),
-                                    ExponentialCurrent((0.3, -0.2), 0.7)])
+@pytest.mark.parametrize(
+    "closed",
+    [UniformCurrent((0.2, -0.3)), LinearCurrent((0.2, -0.1), (0.05, 0.4)), ExponentialCurrent((0.3, -0.2), 0.7)],
+)
 def test_quadrature_of_a_profile_agrees_with_the_closed_form(closed):
     def profile(z):
         z = z[:, None]
@@ -66,18 +68,31 @@ def test_closed_forms_are_the_integral_of_the_equation():
         assert exponential.doppler_shift_velocity(np.array([1.3]))[0, component] == pytest.approx(direct, abs=1e-6)
 
 
-@pytest.mark.parametrize(("profile", "fault"), [
-    (lambda z: np.zeros(z.size), "shape"), (lambda z: np.full((z.size, 2), np.nan), "not finite"),
-    (lambda z: np.random.default_rng(0).normal(size=(z.size, 2)) * np.sign(np.sin(1e9 * z))[:, None], "uncertain")])
+@pytest.mark.parametrize(
+    ("profile", "fault"),
+    [
+        (lambda z: np.zeros(z.size), "shape"),
+        (lambda z: np.full((z.size, 2), np.nan), "not finite"),
+        (lambda z: np.random.default_rng(0).normal(size=(z.size, 2)) * np.sign(np.sin(1e9 * z))[:, None], "uncertain"),
+    ],
+)
 def test_profiles_that_are_no_profiles_are_refused(profile, fault):
     with pytest.raises(LeakrefError, match=rf"^ProfileCurrent: .*{fault}.*; "):
         ProfileCurrent(profile).doppler_shift_velocity(K)
 
 
-@pytest.mark.parametrize("make", [lambda: UniformCurrent(0.3), lambda: UniformCurrent((0.1, 0.2, 0.3)),
-                                  lambda: UniformCurrent((np.nan, 0.0)), lambda: LinearCurrent(0.1, 0.2),
-                                  lambda: LinearCurrent((0.1, 0.0), (0.1, np.inf)),
-                                  lambda: ExponentialCurrent((0.1, 0.0), 0.0), lambda: ExponentialCurrent(0.1, 1.0)])
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: UniformCurrent(0.3),
+        lambda: UniformCurrent((0.1, 0.2, 0.3)),
+        lambda: UniformCurrent((np.nan, 0.0)),
+        lambda: LinearCurrent(0.1, 0.2),
+        lambda: LinearCurrent((0.1, 0.0), (0.1, np.inf)),
+        lambda: ExponentialCurrent((0.1, 0.0), 0.0),
+        lambda: ExponentialCurrent(0.1, 1.0),
+    ],
+)
 def test_currents_that_are_not_two_finite_components_are_refused(make):
     # a scalar must not become (U, U): that is another current
     with pytest.raises(LeakrefError):

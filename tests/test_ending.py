@@ -15,7 +15,7 @@ import pytest
 import leakref
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals are sent")
-COMMANDS = '''
+COMMANDS = """
 import os, shutil, sys, time
 from pathlib import Path
 from leakref import cli, ending, runs
@@ -64,15 +64,20 @@ def finaliser() -> bool:
 
 if __name__ == "__main__":
     cli.main()
-'''
+"""
 
 
 def told(tmp_path, command, number, *, group=False, begun=1):
     """Run a command, tell it to end once that many tasks have begun: its status, what it printed, who is left."""
     script = tmp_path / "commands.py"
     script.write_text(COMMANDS)
-    with subprocess.Popen([sys.executable, str(script), command], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                          text=True, start_new_session=True) as process:
+    with subprocess.Popen(
+        [sys.executable, str(script), command],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    ) as process:
         try:
             while len(list(tmp_path.glob("begun-*"))) < begun:
                 assert process.poll() is None
@@ -110,7 +115,10 @@ def test_an_interruption_lost_in_a_finaliser_comes_again(tmp_path):
 
 def test_there_is_one_way_to_have_workers():
     house = Path(leakref.__file__).parent
-    users = {path.name for path in house.rglob("*.py")
-             for word in ("ProcessPoolExecutor(", "multiprocessing.Pool", "multiprocessing.Process", ".get_context(")
-             if word in path.read_text(encoding="utf-8")}
+    users = {
+        path.name
+        for path in house.rglob("*.py")
+        for word in ("ProcessPoolExecutor(", "multiprocessing.Pool", "multiprocessing.Process", ".get_context(")
+        if word in path.read_text(encoding="utf-8")
+    }
     assert users == {"runs.py"}

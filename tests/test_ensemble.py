@@ -43,8 +43,18 @@ def test_statistics_by_hand_and_without_those_that_have_no_number():
     np.testing.assert_array_equal(e.noted(Note.FLAT), [1, 1])
     np.testing.assert_allclose(e.resolutions, [[0.25, 0.125], [0.25, 0.5 * 0.5 * 2**-1.5]])
     record = e.record()
-    assert {"case", "window", "method", "wavenumbers", "bias", "random", "mean", "standard_error",
-            "resolution_frequency", "resolution_wavenumber"} <= set(record)
+    assert {
+        "case",
+        "window",
+        "method",
+        "wavenumbers",
+        "bias",
+        "random",
+        "mean",
+        "standard_error",
+        "resolution_frequency",
+        "resolution_wavenumber",
+    } <= set(record)
     assert set(record["flagged"]) == {"another-basin", "flat", "no-signal"}
 
 

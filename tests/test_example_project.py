@@ -35,22 +35,30 @@ def installed(tmp_path_factory) -> Path:
         shutil.copy(ROOT / part, folder / "tree")
     shutil.copytree(EXAMPLE, folder / "example", ignore=shutil.ignore_patterns("__pycache__"))
     subprocess.run([sys.executable, "-m", "pip", "wheel", "-q", "--no-deps", "-w", folder, folder / "tree"], check=True)
-    wheel, = folder.glob("*.whl")
+    (wheel,) = folder.glob("*.whl")
     venv.create(folder / "venv", with_pip=True)
     scripts = folder / "venv" / ("Scripts" if os.name == "nt" else "bin")
-    subprocess.run([scripts / "python", "-m", "pip", "install", "-q", f"leakref[pytest] @ {wheel.as_uri()}",
-                    folder / "example"], check=True)
+    subprocess.run(
+        [scripts / "python", "-m", "pip", "install", "-q", f"leakref[pytest] @ {wheel.as_uri()}", folder / "example"],
+        check=True,
+    )
     shutil.rmtree(folder / "tree")
     return scripts
 
 
 def counted(scripts: Path, folder: Path, *arguments: str, **environment: str) -> tuple[int, dict[str, int]]:
     """Exit status and counts of a session."""
-    done = subprocess.run([scripts / "python", "-m", "pytest", "-q", "-p", "no:cacheprovider", *arguments], cwd=folder,
-                          capture_output=True, text=True, env={**os.environ, "OMP_NUM_THREADS": "1", **environment})
+    done = subprocess.run(
+        [scripts / "python", "-m", "pytest", "-q", "-p", "no:cacheprovider", *arguments],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        env={**os.environ, "OMP_NUM_THREADS": "1", **environment},
+    )
     print(done.stdout[-4000:], done.stderr[-2000:])
-    return done.returncode, {word: int(n) for n, word in re.findall(r"(\d+) (passed|failed|skipped|error)",
-                                                                     done.stdout.splitlines()[-1])}
+    return done.returncode, {
+        word: int(n) for n, word in re.findall(r"(\d+) (passed|failed|skipped|error)", done.stdout.splitlines()[-1])
+    }
 
 
 def expected(monkeypatch, planted: str) -> dict[str, int]:
@@ -81,8 +89,9 @@ def test_a_plain_run_with_the_option_judges_the_installed_code(installed, tmp_pa
     """Properties and checks from the wheel, far from a checkout."""
     status, right = counted(installed, tmp_path, "--leakref-implementation", "wavecode:Code", "-k", "recovery or pair")
     assert (status, right.get("failed", 0), right["passed"] > 4) == (0, 0, True)
-    status, wrong = counted(installed, tmp_path, "--leakref-implementation", "wavecode:Code", "-k", "recovery or pair",
-                            PLANTED="1")
+    status, wrong = counted(
+        installed, tmp_path, "--leakref-implementation", "wavecode:Code", "-k", "recovery or pair", PLANTED="1"
+    )
     assert status == 1
     assert wrong["failed"] > 4
     status, reference = counted(installed, tmp_path, "--pyargs", "leakref.properties", "-k", "windows or spectrum")
@@ -119,13 +128,21 @@ def test_the_commands_of_the_files_for_ci_run(tmp_path, planted):
     if planted:
         adapter = tmp_path / "adapter.py"
         adapter.write_text(adapter.read_text().replace("-2 * np.pi * np.fft.fftfreq", "2 * np.pi * np.fft.fftfreq"))
-    environment = {**os.environ, "TARGET": "adapter:Code", "PROFILE": "quick", "OMP_NUM_THREADS": "1",
-                   "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
+    environment = {
+        **os.environ,
+        "TARGET": "adapter:Code",
+        "PROFILE": "quick",
+        "OMP_NUM_THREADS": "1",
+        "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
+    }
     lines, _ = jobs(tmp_path)["github"]
     run = [line for line in lines if "pip install" not in line]
     assert len(run) == len(lines) - 1
     for line in run:
         done = subprocess.run(line, shell=True, cwd=tmp_path, env=environment, capture_output=True, text=True)
         assert done.returncode == int(planted), f"{line}\n{done.stdout[-4000:]}\n{done.stderr[-2000:]}"
-    assert {path.name for path in (tmp_path / "leakref-report").iterdir()} >= {"certificate.json", "junit.xml",
-                                                                                "properties.xml"}
+    assert {path.name for path in (tmp_path / "leakref-report").iterdir()} >= {
+        "certificate.json",
+        "junit.xml",
+        "properties.xml",
+    }

@@ -100,11 +100,16 @@ def bomb(path, form, claimed, size=64 << 20, other=False):
         with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
             archive.writestr(f"{name}.npy", header.getvalue() + bytes(size))
     else:
+
         def element(kind, data):
             return struct.pack("<2I", kind, len(data)) + data + bytes(-len(data) % 8)
 
-        parts = (element(6, struct.pack("<2I", 6, 0)), element(5, struct.pack("<3i", *claimed)),
-                 element(1, name.encode()), element(9, bytes(size)))
+        parts = (
+            element(6, struct.pack("<2I", 6, 0)),
+            element(5, struct.pack("<3i", *claimed)),
+            element(1, name.encode()),
+            element(9, bytes(size)),
+        )
         packed = zlib.compress(element(14, b"".join(parts)))
         path.write_bytes(b"MATLAB 5.0".ljust(124) + b"\0\1IM" + struct.pack("<2I", 15, len(packed)) + packed)
     assert path.stat().st_size < 2**17

@@ -51,18 +51,28 @@ leakref.explain.run = breaks
 """
 
 
-@pytest.mark.parametrize(("raised", "status", "said"), [
-    ("raise OSError(28, 'No space left on device', 'there')", 3, "No space left on device: 'there'; make room"),
-    ("raise OSError(24, 'Too many open files')", 3, "ulimit"), ("raise OSError(5, 'I/O')", 3, "I/O"),
-    ("raise MemoryError", 3, "memory"), ("raise RecursionError('too deep')", 3, "a fault of its own, RecursionError"),
-    ("raise KeyError('one\\ntwo')", 3, "KeyError"), ("raise RuntimeError('a\\nb')", 3, "a b; please report"),
-    ("raise ZeroDivisionError", 3, "ZeroDivisionError"), ("assert False", 3, "AssertionError"),
-    ("raise SystemExit(1)", 3, "SystemExit"), ("raise UnicodeEncodeError('ascii', 'a', 0, 1, 'no')", 3, "codec"),
-    ("raise leakref.LeakrefError('a', 'b\\nc', 'd')", 2, "a: b c; d."),
-    ("from leakref._base import Trouble; raise Trouble('a', 'b', 'c')", 3, "a: b; c."),
-    ("os.kill(os.getpid(), signal.SIGTERM)", 143, "ended by SIGTERM"),
-    ("os.kill(os.getpid(), signal.SIGHUP)", 129, "ended by SIGHUP"),
-    ("os.kill(os.getpid(), signal.SIGINT)", 130, "interrupted"), ("raise KeyboardInterrupt", 130, "interrupted")])
+@pytest.mark.parametrize(
+    ("raised", "status", "said"),
+    [
+        ("raise OSError(28, 'No space left on device', 'there')", 3, "No space left on device: 'there'; make room"),
+        ("raise OSError(24, 'Too many open files')", 3, "ulimit"),
+        ("raise OSError(5, 'I/O')", 3, "I/O"),
+        ("raise MemoryError", 3, "memory"),
+        ("raise RecursionError('too deep')", 3, "a fault of its own, RecursionError"),
+        ("raise KeyError('one\\ntwo')", 3, "KeyError"),
+        ("raise RuntimeError('a\\nb')", 3, "a b; please report"),
+        ("raise ZeroDivisionError", 3, "ZeroDivisionError"),
+        ("assert False", 3, "AssertionError"),
+        ("raise SystemExit(1)", 3, "SystemExit"),
+        ("raise UnicodeEncodeError('ascii', 'a', 0, 1, 'no')", 3, "codec"),
+        ("raise leakref.LeakrefError('a', 'b\\nc', 'd')", 2, "a: b c; d."),
+        ("from leakref._base import Trouble; raise Trouble('a', 'b', 'c')", 3, "a: b; c."),
+        ("os.kill(os.getpid(), signal.SIGTERM)", 143, "ended by SIGTERM"),
+        ("os.kill(os.getpid(), signal.SIGHUP)", 129, "ended by SIGHUP"),
+        ("os.kill(os.getpid(), signal.SIGINT)", 130, "interrupted"),
+        ("raise KeyboardInterrupt", 130, "interrupted"),
+    ],
+)
 def test_whatever_breaks_is_one_line_and_a_status_that_is_no_verdict(raised, status, said):
     done = leakref("explain", before=BROKEN.format(raised))
     one_line(done, status, said)
@@ -70,8 +80,7 @@ def test_whatever_breaks_is_one_line_and_a_status_that_is_no_verdict(raised, sta
     assert ("leakref --traceback" in done.stderr) == (status == 3 and "Trouble" not in raised)
 
 
-@pytest.mark.parametrize(("words", "env"), [(["--traceback", "explain"], {}),
-                                            (["explain"], {ending.TRACEBACK: "1"})])
+@pytest.mark.parametrize(("words", "env"), [(["--traceback", "explain"], {}), (["explain"], {ending.TRACEBACK: "1"})])
 def test_the_traceback_is_there_for_the_asking(words, env):
     done = leakref(*words, before=BROKEN.format("raise OSError(28, 'full')"), env={**os.environ, **env})
     assert done.returncode == 3
@@ -81,11 +90,13 @@ def test_the_traceback_is_there_for_the_asking(words, env):
 
 @pytest.mark.parametrize("where", ["__del__", "a weak reference's callback"])
 def test_a_signal_that_python_cannot_raise_where_it_comes_is_not_lost(where):
-    lost = ("    import time, weakref\n    class One:\n"
-            + ("        def __del__(self): end()\n" if where == "__del__" else "        pass\n")
-            + "    def end(*_): os.kill(os.getpid(), signal.SIGTERM)\n    one = One()\n"
-            + ("" if where == "__del__" else "    kept = weakref.ref(one, end)\n")
-            + "    del one\n    time.sleep(60)")
+    lost = (
+        "    import time, weakref\n    class One:\n"
+        + ("        def __del__(self): end()\n" if where == "__del__" else "        pass\n")
+        + "    def end(*_): os.kill(os.getpid(), signal.SIGTERM)\n    one = One()\n"
+        + ("" if where == "__del__" else "    kept = weakref.ref(one, end)\n")
+        + "    del one\n    time.sleep(60)"
+    )
     one_line(leakref("explain", before=BROKEN.format("pass\n" + lost)), 143, "ended by SIGTERM")
 
 
@@ -94,8 +105,19 @@ def test_nohup_is_respected():
     assert leakref("explain", before=ignored.format("os.kill(os.getpid(), signal.SIGHUP); return True")).returncode == 0
 
 
-@pytest.mark.parametrize("words", [["explain"], ["explain", "--json"], ["explain", "D1"], ["--version"], ["--help"],
-                                   ["certify", "--list"], ["certify", "--schema"], ["reproduce", "--list"]])
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["explain"],
+        ["explain", "--json"],
+        ["explain", "D1"],
+        ["--version"],
+        ["--help"],
+        ["certify", "--list"],
+        ["certify", "--schema"],
+        ["reproduce", "--list"],
+    ],
+)
 def test_what_cannot_be_printed_is_no_success(words):
     if not Path("/dev/full").exists():
         assert sys.platform != "linux"
@@ -115,8 +137,13 @@ def test_a_reader_who_has_gone_is_neither_success_nor_noise(words):
 
 @pytest.mark.parametrize("stream", [1, 2])
 def test_a_stream_that_is_closed_or_full_stops_nothing(stream, tmp_path):
-    closed = subprocess.run(["sh", "-c", f'exec "$@" {stream}>&-', "sh", *MAIN, "explain", "nonsense"],
-                            timeout=PATIENCE, capture_output=True, text=True, check=False)
+    closed = subprocess.run(
+        ["sh", "-c", f'exec "$@" {stream}>&-', "sh", *MAIN, "explain", "nonsense"],
+        timeout=PATIENCE,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     assert closed.returncode == 2
     assert ("nonsense" in closed.stderr) == (stream == 1)
     assert "Traceback" not in closed.stderr
@@ -146,9 +173,19 @@ def test_a_full_exchange_folder_is_not_blamed_on_the_code(family, size):
     one_line(done, 3, "File too large")
 
 
-@pytest.mark.parametrize(("number", "kind"), [
-    (errno.EACCES, LeakrefError), (errno.EROFS, LeakrefError), (errno.ENOENT, LeakrefError),
-    (errno.ENOSPC, Trouble), (errno.EDQUOT, Trouble), (errno.EIO, Trouble), (errno.EMFILE, Trouble), (None, Trouble)])
+@pytest.mark.parametrize(
+    ("number", "kind"),
+    [
+        (errno.EACCES, LeakrefError),
+        (errno.EROFS, LeakrefError),
+        (errno.ENOENT, LeakrefError),
+        (errno.ENOSPC, Trouble),
+        (errno.EDQUOT, Trouble),
+        (errno.EIO, Trouble),
+        (errno.EMFILE, Trouble),
+        (None, Trouble),
+    ],
+)
 def test_a_path_that_was_asked_for_is_wrong_use_and_the_machine_is_not(number, kind):
     error = refusal("a", "b", "c", OSError(number, "x") if number else OSError("x"))
     assert type(error) is kind
@@ -168,16 +205,32 @@ def pool(workers):
         yield executor
 runs.pool = pool
 """
-    done = leakref("track", "record", "reference", "--case", "L-T/L=5,T=10", "--realizations", 4, "--workers", 2,
-                   "--history", "h.jsonl", before=killed, cwd=tmp_path)
+    done = leakref(
+        "track",
+        "record",
+        "reference",
+        "--case",
+        "L-T/L=5,T=10",
+        "--realizations",
+        4,
+        "--workers",
+        2,
+        "--history",
+        "h.jsonl",
+        before=killed,
+        cwd=tmp_path,
+    )
     one_line(done, 3, "a worker process died")
     assert not (tmp_path / "h.jsonl").exists()
 
 
 @pytest.mark.parametrize("error", [CancelledError("key"), CommClosedError("gone"), KilledWorker("task", "it", 1)])
 def test_a_lost_scheduler_is_no_verdict(error):
-    with (distributed.LocalCluster(n_workers=1, processes=False, dashboard_address=None) as cluster,
-          pytest.raises(Trouble, match=r"are gone.*goes on where"), runs.connected(cluster.scheduler_address)):
+    with (
+        distributed.LocalCluster(n_workers=1, processes=False, dashboard_address=None) as cluster,
+        pytest.raises(Trouble, match=r"are gone.*goes on where"),
+        runs.connected(cluster.scheduler_address),
+    ):
         raise error
 
 
@@ -190,14 +243,43 @@ def test_a_scheduler_that_is_killed_in_the_middle_ends_with_3_and_one_line(tmp_p
         return started[-1]
 
     try:
-        scheduler = start("-m", "distributed.cli.dask_scheduler", "--no-dashboard", "--host", "127.0.0.1",
-                          "--port", "0", "--scheduler-file", "where.json")
+        scheduler = start(
+            "-m",
+            "distributed.cli.dask_scheduler",
+            "--no-dashboard",
+            "--host",
+            "127.0.0.1",
+            "--port",
+            "0",
+            "--scheduler-file",
+            "where.json",
+        )
         wait_for(tmp_path / "where.json")
         address = json.loads((tmp_path / "where.json").read_text())["address"]
-        start("-m", "distributed.cli.dask_worker", "--no-dashboard", "--no-nanny", "--nthreads", "1",
-              "--death-timeout", "1", address)
-        client = start(*MAIN[1:], "reproduce", "nsp-ls", "--realizations", "1000", "--out", "out",
-                       "--scheduler", address, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        start(
+            "-m",
+            "distributed.cli.dask_worker",
+            "--no-dashboard",
+            "--no-nanny",
+            "--nthreads",
+            "1",
+            "--death-timeout",
+            "1",
+            address,
+        )
+        client = start(
+            *MAIN[1:],
+            "reproduce",
+            "nsp-ls",
+            "--realizations",
+            "1000",
+            "--out",
+            "out",
+            "--scheduler",
+            address,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+        )
         wait_for(tmp_path / "out" / "parts", "*/*.npz", client)
         scheduler.kill()
         output, said = client.communicate(timeout=PATIENCE)
@@ -236,23 +318,39 @@ def test_a_history_of_any_form_is_judged_or_not_and_never_breaks(field, action, 
     assert f"is no entry: its {field} is" in done.stderr or action == ["check"]
 
 
-COMMANDS = [["certify", "fault:nothing"], ["strength", "--workers", "x"], ["scaffold", "cobol", "."],
-            ["explain", "nonsense"], ["guide", "nonsense"], ["extract", "nothing.npz"],
-            ["export", "nonsense", "--out", "x"], ["demo", "--out", "file/x"],
-            ["plan", "--field-of-view", "x", "--duration", "1s", "--peak-wavelength", "1m"],
-            ["reproduce", "nonsense"], ["claims", "nonsense"], ["bench", "--out", "file/x"],
-            ["golden", "lint", "--set", "nothing"], ["golden", "verify", "nonsense"],
-            ["golden", "regenerate", "nonsense"],
-            ["track", "record"], ["track", "compare", "a", "b"], ["track", "plot"], ["track", "check"],
-            ["track", "null", "--folder", "file/x"]]
+COMMANDS = [
+    ["certify", "fault:nothing"],
+    ["strength", "--workers", "x"],
+    ["scaffold", "cobol", "."],
+    ["explain", "nonsense"],
+    ["guide", "nonsense"],
+    ["extract", "nothing.npz"],
+    ["export", "nonsense", "--out", "x"],
+    ["demo", "--out", "file/x"],
+    ["plan", "--field-of-view", "x", "--duration", "1s", "--peak-wavelength", "1m"],
+    ["reproduce", "nonsense"],
+    ["claims", "nonsense"],
+    ["bench", "--out", "file/x"],
+    ["golden", "lint", "--set", "nothing"],
+    ["golden", "verify", "nonsense"],
+    ["golden", "regenerate", "nonsense"],
+    ["track", "record"],
+    ["track", "compare", "a", "b"],
+    ["track", "plot"],
+    ["track", "check"],
+    ["track", "null", "--folder", "file/x"],
+]
 
 
 def test_every_command_is_tried_below():
     from leakref.cli.base import app
 
     named = {(command.name or command.callback.__name__,) for command in app.registered_commands}
-    named |= {(group.name, command.name) for group in app.registered_groups
-              for command in group.typer_instance.registered_commands}
+    named |= {
+        (group.name, command.name)
+        for group in app.registered_groups
+        for command in group.typer_instance.registered_commands
+    }
     assert named == {tuple(words[:2]) if words[0] in ("golden", "track") else (words[0],) for words in COMMANDS}
 
 

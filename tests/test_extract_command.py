@@ -15,10 +15,9 @@ import xarray
 from typer.testing import CliRunner
 
 from leakref import Components, Grid, LeakrefError, Scales, SeaState, UniformCurrent, chain, synthesize
-from leakref.cubes import commands, wavenumbers
-from leakref.cubes import files
 from leakref.cases import configurations
 from leakref.cli.base import app
+from leakref.cubes import commands, files, wavenumbers
 from leakref.dispersion import velocity_resolutions
 
 CASE = "L-T/L=5,T=10"
@@ -47,8 +46,10 @@ def in_memory(units, wavenumbers, **settings):
         gravity = SCALES[units][1]
         scales = Scales(*SCALES[units])
         waves = waves.to_units(scales)
-        grid = Grid(grid.shape, (grid.spacing[0] * scales.length, grid.spacing[1] * scales.length,
-                                 grid.spacing[2] * scales.time))
+        grid = Grid(
+            grid.shape,
+            (grid.spacing[0] * scales.length, grid.spacing[1] * scales.length, grid.spacing[2] * scales.time),
+        )
     eta = synthesize(waves, *(grid.samples(axis) for axis in range(3)))
     return chain.extract(eta, grid.spacing, wavenumbers, gravity=gravity, **settings).velocities
 
@@ -166,11 +167,22 @@ def test_npy_in_any_order_with_spacing(sea, tmp_path):
     path, surface = sea
     np.save(tmp_path / "cube.npy", surface.transpose(2, 1, 0))
     spacing = ",".join(repr(d) for d in GRID.spacing)
-    words = ("extract", tmp_path / "cube.npy", "--spacing", spacing, "--axes", "tyx", "--gravity", 1,
-             "--wavenumbers", "1.5")
+    words = (
+        "extract",
+        tmp_path / "cube.npy",
+        "--spacing",
+        spacing,
+        "--axes",
+        "tyx",
+        "--gravity",
+        1,
+        "--wavenumbers",
+        "1.5",
+    )
     given = answer(*words)
-    assert given["doppler_shift_velocities"] == answer("extract", path, "--wavenumbers", "1.5")[
-        "doppler_shift_velocities"]
+    assert (
+        given["doppler_shift_velocities"] == answer("extract", path, "--wavenumbers", "1.5")["doppler_shift_velocities"]
+    )
     assert given["units"]["system"] == "given"
     assert "m/s" not in run(*words).stdout
     assert "coordinate x" in run("extract", tmp_path / "cube.npy", "--gravity", 1, "--axes", "tyx", status=2).stderr
@@ -179,8 +191,16 @@ def test_npy_in_any_order_with_spacing(sea, tmp_path):
 def test_a_mapped_cube_in_blocks_gives_the_same(sea, tmp_path, monkeypatch):
     surface = sea[1]
     np.save(tmp_path / "cube.npy", (1000 * surface).round().astype(np.int32))
-    words = ("extract", tmp_path / "cube.npy", "--spacing", ",".join(map(repr, GRID.spacing)), "--gravity", 1,
-             "--detrend", "linear")
+    words = (
+        "extract",
+        tmp_path / "cube.npy",
+        "--spacing",
+        ",".join(map(repr, GRID.spacing)),
+        "--gravity",
+        1,
+        "--detrend",
+        "linear",
+    )
     whole = answer(*words, "--wavenumbers", "1.2:2:0.4")
     monkeypatch.setattr(commands, "IN_MEMORY", 10**5)
     monkeypatch.setattr(commands.blocks, "_BLOCK", 10**5)
@@ -232,7 +252,14 @@ def test_everything_written_agrees_and_is_whole(sea, tmp_path):
         assert data["verdict"].values.tolist() == given["verdicts"]
         assert data["wavenumber"].values.tolist() == given["wavenumbers"]
     assert {path.name for path in out.iterdir()} == {
-        "extract.json", "extract.csv", "extract.nc", "extract.png", "extract.svg", "screen.png", "screen.svg"}
+        "extract.json",
+        "extract.csv",
+        "extract.nc",
+        "extract.png",
+        "extract.svg",
+        "screen.png",
+        "screen.svg",
+    }
     assert min(path.stat().st_size for path in out.glob("*.png")) > 10_000
 
 
@@ -259,17 +286,35 @@ def test_where_there_is_no_number_there_is_null(tmp_path):
 # --- wrong use -------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("words", "said"), [
-    (["--window", "square"], "no window named 'square'"), (["--method", "fft"], "no method named 'fft'"),
-    (["--detrend", "cubic"], "--detrend cubic"), (["--rotate", "10"], "--screen"),
-    (["--spacing", "1,2"], "--spacing 1,2"), (["--spacing", "1,2,-1"], "not positive"), (["--axes", "xxt"], "xxt"),
-    (["--gravity", "-1"], "gravity = -1"), (["--wavenumbers", "4:1:1"], "is no range"),
-    (["--wavenumbers", "99"], "Nyquist"), (["--wavenumbers", "-1"], "not positive"),
-    (["--screen", "--rotate", "nan"], "not finite"), (["--out", "/dev/null/x"], "nothing can be written")])
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--window", "square"], "no window named 'square'"),
+        (["--method", "fft"], "no method named 'fft'"),
+        (["--detrend", "cubic"], "--detrend cubic"),
+        (["--rotate", "10"], "--screen"),
+        (["--spacing", "1,2"], "--spacing 1,2"),
+        (["--spacing", "1,2,-1"], "not positive"),
+        (["--axes", "xxt"], "xxt"),
+        (["--gravity", "-1"], "gravity = -1"),
+        (["--wavenumbers", "4:1:1"], "is no range"),
+        (["--wavenumbers", "99"], "Nyquist"),
+        (["--wavenumbers", "-1"], "not positive"),
+        (["--screen", "--rotate", "nan"], "not finite"),
+        (["--out", "/dev/null/x"], "nothing can be written"),
+    ],
+)
 def test_wrong_use_is_refused_in_one_line_and_nothing_is_written(sea, tmp_path, words, said):
     where = [] if "--out" in words else ["--out", tmp_path / "results"]
-    done = run("extract", sea[0], *(["--wavenumbers", "1"] if "--wavenumbers" not in words else []), *words, *where,
-               "--json", status=2)
+    done = run(
+        "extract",
+        sea[0],
+        *(["--wavenumbers", "1"] if "--wavenumbers" not in words else []),
+        *words,
+        *where,
+        "--json",
+        status=2,
+    )
     assert done.stdout == ""
     assert done.stderr.count("\n") == 1
     assert re.search(said, done.stderr)
@@ -277,11 +322,18 @@ def test_wrong_use_is_refused_in_one_line_and_nothing_is_written(sea, tmp_path, 
     assert not list((tmp_path / "results").glob("*"))
 
 
-@pytest.mark.parametrize(("words", "said"), [
-    (["gamma"], "12 configurations"), (["nonsense"], "no case is called 'nonsense'"),
-    ([CASE, "--format", "xls"], "npz, mat, netcdf"), ([CASE, "--gravity", "9.81"], "--peak-wavenumber"),
-    ([CASE, "--peak-wavenumber", "0.1"], "give both"), ([CASE, "--peak-wavenumber", "0", "--gravity", "9"], "positive"),
-    ([CASE, "--realization", "-1"], "--realization")])
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["gamma"], "12 configurations"),
+        (["nonsense"], "no case is called 'nonsense'"),
+        ([CASE, "--format", "xls"], "npz, mat, netcdf"),
+        ([CASE, "--gravity", "9.81"], "--peak-wavenumber"),
+        ([CASE, "--peak-wavenumber", "0.1"], "give both"),
+        ([CASE, "--peak-wavenumber", "0", "--gravity", "9"], "positive"),
+        ([CASE, "--realization", "-1"], "--realization"),
+    ],
+)
 def test_exports_that_are_refused(tmp_path, words, said):
     done = run("export", *words, "--out", tmp_path / "a.npz", status=2)
     assert said in done.stderr
@@ -311,8 +363,12 @@ def test_a_cube_of_nothing_is_refused(tmp_path):
 
 def test_a_real_process_keeps_its_streams_apart(sea):
     command = [sys.executable, "-c", "from leakref.cli import main; main()"]
-    done = subprocess.run([*command, "extract", str(sea[0]), "--wavenumbers", "1.5", "--json"], capture_output=True,
-                          text=True, timeout=120)
+    done = subprocess.run(
+        [*command, "extract", str(sea[0]), "--wavenumbers", "1.5", "--json"],
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
     assert done.returncode == 0
     assert json.loads(done.stdout)["wavenumbers"] == [1.5]
     bad = subprocess.run([*command, "extract", str(sea[0].parent)], capture_output=True, text=True, timeout=120)

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, Phase, given, settings as hypothesis_settings, strategies as st
 from conftest import RECTANGULAR, waves_off_bins
+from hypothesis import HealthCheck, Phase, given
+from hypothesis import settings as hypothesis_settings
+from hypothesis import strategies as st
 
 from leakref import Components, Grid, LeakrefError, SeaState, UniformCurrent, aligned_waves, leakage
 from leakref.chain import analyse, shell_wavenumbers
-from leakref.methods import METHODS
 from leakref.fast import realize
 from leakref.fast.spectra import Disc, magnitudes
+from leakref.methods import METHODS
 from leakref.shell import Note, shell_at
 from leakref.window import WINDOWS
 
@@ -30,8 +32,13 @@ def assert_same(components, grid, k, *, windows=("box", "hann"), reach=None, uni
     for window in windows:
         spectrum = leakage.spectrum(components, grid, window, largest_wavenumber=reach)
         for method in METHODS:
-            plain = analyse(spectrum, k, gravity=gravity, method=method,
-                            **{name: value for name, value in settings.items() if name in own[method]})
+            plain = analyse(
+                spectrum,
+                k,
+                gravity=gravity,
+                method=method,
+                **{name: value for name, value in settings.items() if name in own[method]},
+            )
             fast = found[window, method]
             assert fast.method == method
             assert fast.notes == plain.notes
@@ -59,8 +66,10 @@ def test_magnitudes_are_those_of_the_closed_form(grid, off):
         np.testing.assert_allclose(magnitude / magnitude.max(), plain / plain.max(), rtol=0, atol=5e-15, err_msg=name)
 
 
-@pytest.mark.parametrize(("spread", "direction", "peakedness", "current"), [
-    (60, 75, 3.3, (0.0, 0.0)), (15, 90, 7.0, (0.0, 0.0)), (30, 60, 1.0, (0.1, -0.11)), (15, 75, 3.3, (-0.05, 0.02))])
+@pytest.mark.parametrize(
+    ("spread", "direction", "peakedness", "current"),
+    [(60, 75, 3.3, (0.0, 0.0)), (15, 90, 7.0, (0.0, 0.0)), (30, 60, 1.0, (0.1, -0.11)), (15, 75, 3.3, (-0.05, 0.02))],
+)
 def test_same_velocities_and_notes_as_the_plain_chain(spread, direction, peakedness, current):
     sea = SeaState(direction, spread, peakedness, 5, UniformCurrent(current))
     k = shell_wavenumbers(SMALL)[::2]
@@ -81,8 +90,16 @@ def test_same_where_nothing_is_square_or_even_and_in_other_units():
     assert_same(waves, grid, np.array([0.6, 1.3, 2.2]) / 20, gravity=9.81, peak_wavenumber=1 / 20, unit=14.0)
 
 
-@pytest.mark.parametrize("settings", [{"width": 2.0}, {"width": 6.5, "half_width": 1.0}, {"threshold": 0.6},
-                                      {"search": False}, {"peak_wavenumber": 1.7}])
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"width": 2.0},
+        {"width": 6.5, "half_width": 1.0},
+        {"threshold": 0.6},
+        {"search": False},
+        {"peak_wavenumber": 1.7},
+    ],
+)
 def test_same_under_other_settings(settings):
     assert_same(SeaState(75, 30, length=5).components(0), SMALL, [0.8, 1.4, 2.6], **settings)
 
@@ -104,8 +121,12 @@ def hostile(draw):
     half_width = draw(st.sampled_from([2.0, 1.0, 3.0]))
     inner = nyquist[:2].min() - half_width * grid.wavenumber_resolution
     wanted = rng.uniform(0.05, 1.01, 2) * (inner if inner > 0 else nyquist[:2].min())  # past the end now and then
-    return (Components(kx, ky, omega, rng.uniform(0.1, 1, n), rng.uniform(0, 6, n)), grid, wanted,
-            {"width": draw(st.sampled_from([4.0, 2.0, 6.5, 1.0, 0.5])), "half_width": half_width})
+    return (
+        Components(kx, ky, omega, rng.uniform(0.1, 1, n), rng.uniform(0, 6, n)),
+        grid,
+        wanted,
+        {"width": draw(st.sampled_from([4.0, 2.0, 6.5, 1.0, 0.5])), "half_width": half_width},
+    )
 
 
 def assert_same_or_same_refusal(case):
@@ -126,9 +147,16 @@ def assert_same_or_same_refusal(case):
 
 
 def hostile_cases(count):
-    return lambda test: given(hostile())(hypothesis_settings(
-        max_examples=count, derandomize=True, database=None, deadline=None, phases=[Phase.explicit, Phase.generate],
-        suppress_health_check=[HealthCheck.too_slow])(test))
+    return lambda test: given(hostile())(
+        hypothesis_settings(
+            max_examples=count,
+            derandomize=True,
+            database=None,
+            deadline=None,
+            phases=[Phase.explicit, Phase.generate],
+            suppress_health_check=[HealthCheck.too_slow],
+        )(test)
+    )
 
 
 @hostile_cases(25)
@@ -200,11 +228,20 @@ def test_same_input_same_bits_and_untouched():
     assert all(np.array_equal(getattr(waves, name), value) for name, value in before.items())
 
 
-@pytest.mark.parametrize(("arguments", "message"), [
-    ({"windows": ("hamming",)}, "no window named 'hamming'"), ({"methods": ("psd",)}, "no method named 'psd'"),
-    ({"wavenumbers": [13.9]}, "past the Nyquist wavenumber"), ({"wavenumbers": []}, "wavenumbers is empty"),
-    ({"wavenumbers": [0.05], "half_width": 0.1}, "no bin lies within"), ({"wavenumbers": [np.nan]}, "not finite"),
-    ({"width": 0.0}, "width"), ({"gravity": -1.0}, "gravity"), ({"threshold": 1.5}, "threshold = 1.5")])
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"windows": ("hamming",)}, "no window named 'hamming'"),
+        ({"methods": ("psd",)}, "no method named 'psd'"),
+        ({"wavenumbers": [13.9]}, "past the Nyquist wavenumber"),
+        ({"wavenumbers": []}, "wavenumbers is empty"),
+        ({"wavenumbers": [0.05], "half_width": 0.1}, "no bin lies within"),
+        ({"wavenumbers": [np.nan]}, "not finite"),
+        ({"width": 0.0}, "width"),
+        ({"gravity": -1.0}, "gravity"),
+        ({"threshold": 1.5}, "threshold = 1.5"),
+    ],
+)
 def test_refusals(arguments, message):
     arguments = {"wavenumbers": [1.0], **arguments}
     with pytest.raises(LeakrefError, match=message):

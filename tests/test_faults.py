@@ -5,19 +5,42 @@ import pytest
 
 from leakref import LeakrefError
 from leakref.altered import Change
-from leakref.certify.strength import faults
-from leakref.certify.runner import select
-from leakref.certify.strength.faults import FAULTS, Fault, implementation
-from leakref.certify.subject.inprocess import InProcess
 from leakref.certify.checks.registry import FAMILIES
+from leakref.certify.runner import select
+from leakref.certify.strength import faults
+from leakref.certify.strength.faults import FAULTS, Fault, implementation
 from leakref.certify.strength.study import DISTINCT, _over, fault_record
+from leakref.certify.subject.inprocess import InProcess
 from leakref.chain import reference
 from leakref.golden.sets import Golden
 
-PINNED = ("negated-current", "flipped-x", "flipped-y", "exchanged-axes", "solve-sign-slip", "hard-coded-width",
-          "extra-branch", "missing-negative-branch", "no-taper", "two-thirds-energy", "nan-as-number")
-BRIEF = ("negated-current", "no-taper", "two-thirds-energy", "solve-sign-slip", "frequency-at-centre", "nan-as-number",
-         "random-output", "state-kept", "input-altered", "gravity-hard-coded", "symmetric-taper", "hard-coded-width")
+PINNED = (
+    "negated-current",
+    "flipped-x",
+    "flipped-y",
+    "exchanged-axes",
+    "solve-sign-slip",
+    "hard-coded-width",
+    "extra-branch",
+    "missing-negative-branch",
+    "no-taper",
+    "two-thirds-energy",
+    "nan-as-number",
+)
+BRIEF = (
+    "negated-current",
+    "no-taper",
+    "two-thirds-energy",
+    "solve-sign-slip",
+    "frequency-at-centre",
+    "nan-as-number",
+    "random-output",
+    "state-kept",
+    "input-altered",
+    "gravity-hard-coded",
+    "symmetric-taper",
+    "hard-coded-width",
+)
 
 
 def test_the_list_is_long_enough_and_every_entry_is_in_order():

@@ -13,8 +13,7 @@ from test_plan import CAMPAIGN, made
 from test_shear_case import SHEARED, measured
 from typer.testing import CliRunner
 
-from leakref import bench
-from leakref import figures
+from leakref import bench, figures
 from leakref.cases import CASES
 from leakref.certify import bias
 from leakref.chain import analyse
@@ -24,21 +23,32 @@ from leakref.claims.registry import Finding
 from leakref.claims.stored import stored_claims, stored_decisions
 from leakref.claims.words import Reading, Tally
 from leakref.cli.base import app
-from leakref.dispersion import velocity_resolutions
 from leakref.cubes.figures import extraction_figure, screening_figure
+from leakref.cubes.screen import screen
+from leakref.dispersion import velocity_resolutions
 from leakref.figures import figure, result_figure
 from leakref.paper.figures import RESULTS, stored
 from leakref.paper.illustrations import ILLUSTRATIONS
 from leakref.paper.shearfigure import shear_figure
 from leakref.planning.figures import plan_figure, sweep_figure
 from leakref.planning.plan import Plan
-from leakref.cubes.screen import screen
 from leakref.track import history
 from leakref.track.page import curves_figure, levels_figure, versions
 
-PAPER = {"fig:leakage_lobes", "fig:spectrum_examples", "fig:leakage_illustration2D", "fig:cylinderIllustration",
-         "fig:spec_ex", "fig:Ang_Dang", "fig:peakedness", "fig:video_duration", "fig:ConstCurr", "fig:ConstCurr_rot30",
-         "fig:DSV_win_comp_results", "fig:ex_NSP_vs_LS"}
+PAPER = {
+    "fig:leakage_lobes",
+    "fig:spectrum_examples",
+    "fig:leakage_illustration2D",
+    "fig:cylinderIllustration",
+    "fig:spec_ex",
+    "fig:Ang_Dang",
+    "fig:peakedness",
+    "fig:video_duration",
+    "fig:ConstCurr",
+    "fig:ConstCurr_rot30",
+    "fig:DSV_win_comp_results",
+    "fig:ex_NSP_vs_LS",
+}
 """The labels of all figure environments of the paper."""
 UNITLESS = ("pixels", "bins", "peak", "largest", "°", "depth", "log", "version", "comparison")
 
@@ -65,8 +75,11 @@ def unreadable(drawing):
         if not isinstance(ax, Axes3D):
             for axis in (ax.xaxis, ax.yaxis):
                 low, high = sorted(axis.get_view_interval())
-                texts += [tick.label1 for tick in axis.get_major_ticks()
-                          if tick.label1.get_visible() and low <= tick.get_loc() <= high]
+                texts += [
+                    tick.label1
+                    for tick in axis.get_major_ticks()
+                    if tick.label1.get_visible() and low <= tick.get_loc() <= high
+                ]
         texts += ax.get_legend().get_texts() if ax.get_legend() else []
     texts += [text for legend in drawing.legends for text in (*legend.get_texts(), legend.get_title())]
     texts += [drawing._suptitle] if drawing._suptitle else []
@@ -86,8 +99,9 @@ def test_the_reader_of_figures_sees_what_is_wrong():
     axes[0, 0].set_xlabel("speed")
     axes[0, 0].set_ylabel("mean / $c_0$")
     axes[0, 1].set(xlabel="$k$ / $k_0$", title="x" * 120)
-    drawing.legend(handles=axes[0, 0].plot([0, 1], [0, 1], label="a line"), loc="upper left",
-                   bbox_to_anchor=(0.3, 0.08))
+    drawing.legend(
+        handles=axes[0, 0].plot([0, 1], [0, 1], label="a line"), loc="upper left", bbox_to_anchor=(0.3, 0.08)
+    )
     found = "\n".join(unreadable(drawing))
     for fault in ("speed has no unit", "an axis y has no label", "leaves the page"):
         assert fault in found
@@ -118,17 +132,27 @@ def test_stored_results_are_complete(golden):
     assert len(golden) == 2 * sum(len(c.windows) for members in CASES.values() for c in members)
 
 
-@pytest.mark.parametrize(("case", "rotation"), [("theta0-dtheta", 0), ("gamma", 0), ("L-T", 0), ("U", 0), ("U", 30),
-                                                ("windows", 0), ("nsp-ls", 0)])
+@pytest.mark.parametrize(
+    ("case", "rotation"),
+    [("theta0-dtheta", 0), ("gamma", 0), ("L-T", 0), ("U", 0), ("U", 30), ("windows", 0), ("nsp-ls", 0)],
+)
 def test_result_figures_can_be_read(case, rotation, golden):
-    members = [e for e in golden if (e.configuration.case, e.configuration.rotation) == (case, rotation)
-               and (e.method == "nsp" or case == "nsp-ls")]
+    members = [
+        e
+        for e in golden
+        if (e.configuration.case, e.configuration.rotation) == (case, rotation)
+        and (e.method == "nsp" or case == "nsp-ls")
+    ]
     drawing = result_figure(members, f"case {case}, 100 realisations", logarithmic=case != "U")
     assert unreadable(drawing) == []
     if case == "windows":  # compared in one column, as the paper does
         assert len(drawing.axes) == 2
         assert [text.get_text() for text in drawing.legends[0].get_texts()][:4] == [
-            "no window", "Hann", "Blackman", "Kaiser-Bessel"]
+            "no window",
+            "Hann",
+            "Blackman",
+            "Kaiser-Bessel",
+        ]
 
 
 def test_figures_of_a_cube_can_be_read(untapered, tapered):
@@ -146,8 +170,15 @@ def test_figures_of_a_cube_can_be_read(untapered, tapered):
 
 @pytest.fixture(scope="module")
 def ways():
-    return {(window, method): made(scale, window, method) for window, method, scale in (
-        ("box", "nsp", 0.9), ("box", "ls", 1.5), ("hann", "nsp", 0.3), ("hann", "ls", 0.6))}
+    return {
+        (window, method): made(scale, window, method)
+        for window, method, scale in (
+            ("box", "nsp", 0.9),
+            ("box", "ls", 1.5),
+            ("hann", "nsp", 0.3),
+            ("hann", "ls", 0.6),
+        )
+    }
 
 
 def test_figures_of_a_plan_can_be_read(ways):
@@ -174,7 +205,8 @@ def as_read(claim):
         choices = dict(part.split(": ", 1) for part in kept["reading"].split(", ") if ": " in part)
         parts = kept["figure"] if isinstance(kept["figure"], dict) else {}
         names = [name for name, value in parts.items() if isinstance(value, dict)] or (
-            ["comparison"] if "mean_margin" in parts else [])
+            ["comparison"] if "mean_margin" in parts else []
+        )
         tallies = {}
         for name in names:
             margin, error = rng.standard_normal((2, 30)) * [[0.1], [0.03]]
@@ -184,8 +216,10 @@ def as_read(claim):
     return Finding(CLAIMS[claim["id"]], tuple(readings))
 
 
-@pytest.mark.parametrize("name", [name if name in ("N4", "A12", "W9", "W7") else
-                                  pytest.param(name, marks=pytest.mark.slow) for name in CLAIMS])
+@pytest.mark.parametrize(
+    "name",
+    [name if name in ("N4", "A12", "W9", "W7") else pytest.param(name, marks=pytest.mark.slow) for name in CLAIMS],
+)
 def test_the_picture_of_a_claim_can_be_read(name):
     (kept,) = (claim for claim in stored_claims()["claims"] if claim["id"] == name)
     assert unreadable(picture(as_read(kept))) == []
@@ -209,16 +243,36 @@ def test_figures_of_a_history_can_be_read():
 def drawn(monkeypatch):
     """The figures that are written while a test runs."""
     kept = []
-    monkeypatch.setattr(figures.Figure, "savefig", lambda self, where, **how: kept.append(self) or (
-        where.write_bytes(b"x") if hasattr(where, "write_bytes") else where.write(b"x")))
+    monkeypatch.setattr(
+        figures.Figure,
+        "savefig",
+        lambda self, where, **how: (
+            kept.append(self) or (where.write_bytes(b"x") if hasattr(where, "write_bytes") else where.write(b"x"))
+        ),
+    )
     return kept
 
 
 def test_the_figure_of_the_timings_can_be_read(drawn, tmp_path):
-    names = ("components of a sea", "spectrum by the FFT", "spectrum in closed form", "NSP of a shell",
-             "one realisation, both windows and methods", "nothing against it")
-    rows = [bench.Row(name, 10.0 ** -(n % 4), "the same, written out in NumPy for one core",
-                      3.0 * 9**n if n < 5 else None, 0.4, "memory") for n, name in enumerate(names)]
+    names = (
+        "components of a sea",
+        "spectrum by the FFT",
+        "spectrum in closed form",
+        "NSP of a shell",
+        "one realisation, both windows and methods",
+        "nothing against it",
+    )
+    rows = [
+        bench.Row(
+            name,
+            10.0 ** -(n % 4),
+            "the same, written out in NumPy for one core",
+            3.0 * 9**n if n < 5 else None,
+            0.4,
+            "memory",
+        )
+        for n, name in enumerate(names)
+    ]
     bench._draw(rows, tmp_path)
     assert unreadable(drawn[0]) == []
 
@@ -228,8 +282,22 @@ def test_the_figure_of_the_bias_can_be_read(drawn):
     for sea, scale in product(bias.SEAS.values(), (1.0, 4.0)):
         k = np.array(sea.wavenumbers)
         error = 0.05 / k
-        found.append(bias.Bias(sea, scale, "nsp", k, error, error / 2, error / 3, error / 4, sea.cube(0).resolutions,
-                               3.0, (2.5, 3.5), 8))
+        found.append(
+            bias.Bias(
+                sea,
+                scale,
+                "nsp",
+                k,
+                error,
+                error / 2,
+                error / 3,
+                error / 4,
+                sea.cube(0).resolutions,
+                3.0,
+                (2.5, 3.5),
+                8,
+            )
+        )
     assert bias.figure(found) == b"x"
     assert unreadable(drawn[0]) == []
 
@@ -243,7 +311,8 @@ def test_the_command_draws_all_of_them_from_the_golden_set(tmp_path, monkeypatch
     assert {label for one in found["figures"] for label in one["labels"]} == PAPER
     assert len(drawn) == 22
     assert len(list(tmp_path.glob("figure_*.svg"))) == 11
-    entry = next(case for case in found["cases"] if (case["case"], case["window"], case["method"]) == (
-        "nsp-ls", "hann", "nsp"))
+    entry = next(
+        case for case in found["cases"] if (case["case"], case["window"], case["method"]) == ("nsp-ls", "hann", "nsp")
+    )
     assert entry["bias"][6] == pytest.approx(0.0058, abs=1e-4)
     assert len(entry["resolution_frequency"]) == len(entry["wavenumbers"]) == 32

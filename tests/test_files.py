@@ -19,8 +19,8 @@ import xarray
 from scipy.io import loadmat, savemat
 
 from leakref import Components, Grid, LeakrefError
-from leakref.cubes import files
 from leakref.cases import Configuration
+from leakref.cubes import files
 from leakref.dispersion import Scales
 
 GRID = Grid((5, 6, 7), (0.3, 0.7, 0.11))
@@ -63,7 +63,8 @@ def test_spacing_is_the_same_float_that_made_the_coordinate(tmp_path):
     # where the origin is elsewhere the sum has rounded, and the spacing is known to that rounding only
     assert files._step(tmp_path, "x", 1000.3 + np.arange(50) * 0.1, (50,), 0) == pytest.approx(0.1, rel=1e-13)
     assert files._step(tmp_path, "x", (np.arange(300) * 0.1).astype(np.float32), (300,), 0) == pytest.approx(
-        0.1, rel=1e-7)
+        0.1, rel=1e-7
+    )
 
 
 def test_a_configuration_in_other_units_is_the_same_sea():
@@ -100,8 +101,9 @@ def as_mat(path: Path, **changes) -> Path:
 
 def as_netcdf(path: Path, dims=("x", "y", "t"), units=("m", "m", "s"), **changes) -> Path:
     held = variables(**changes)
-    data = {name: ((name,), held[name], {"units": unit}) for name, unit in zip("xyt", units, strict=True)
-            if name in held}
+    data = {
+        name: ((name,), held[name], {"units": unit}) for name, unit in zip("xyt", units, strict=True) if name in held
+    }
     if "eta" in held:
         data["eta"] = (dims, held["eta"])
     if "gravity" in held:
@@ -116,8 +118,11 @@ def test_any_order_of_axes(tmp_path, order):
     stored = surface.transpose(["xyt".index(name) for name in order])
     by_name = files.read(as_netcdf(tmp_path / "a.nc", dims=tuple(order), eta=stored))
     assert np.array_equal(by_name.surface, surface)
-    for path in (as_npz(tmp_path / "a.npz", eta=stored), as_mat(tmp_path / "a.mat", eta=stored),
-                 as_netcdf(tmp_path / "b.nc", dims=("frame", "row", "column"), eta=stored)):
+    for path in (
+        as_npz(tmp_path / "a.npz", eta=stored),
+        as_mat(tmp_path / "a.mat", eta=stored),
+        as_netcdf(tmp_path / "b.nc", dims=("frame", "row", "column"), eta=stored),
+    ):
         back = files.read(path, axes=order)
         assert np.array_equal(back.surface, surface)
         assert back.grid == GRID
@@ -142,16 +147,25 @@ def test_npy_stays_on_the_disk(tmp_path):
 
 def test_integers_are_converted_and_it_is_said(tmp_path):
     images = np.random.default_rng(0).integers(0, 255, GRID.shape, dtype=np.uint8)
-    for back in (files.read(as_npz(tmp_path / "a.npz", eta=images)), files.read(as_mat(tmp_path / "a.mat", eta=images)),
-                 files.read(as_netcdf(tmp_path / "a.nc", eta=images))):
+    for back in (
+        files.read(as_npz(tmp_path / "a.npz", eta=images)),
+        files.read(as_mat(tmp_path / "a.mat", eta=images)),
+        files.read(as_netcdf(tmp_path / "a.nc", eta=images)),
+    ):
         assert np.array_equal(back.surface, images)
         assert back.surface.dtype == np.float64
         assert any("uint8 samples were converted" in note for note in back.notes)
 
 
-@pytest.mark.parametrize(("units", "word"), [
-    (("m", "m", "s"), "si"), (("metre", "m", "seconds since 2020-01-01"), "si"), (("", "", ""), "given"),
-    (("1", "1", "1"), "given")])
+@pytest.mark.parametrize(
+    ("units", "word"),
+    [
+        (("m", "m", "s"), "si"),
+        (("metre", "m", "seconds since 2020-01-01"), "si"),
+        (("", "", ""), "given"),
+        (("1", "1", "1"), "given"),
+    ],
+)
 def test_units_of_coordinates(tmp_path, units, word):
     assert files.read(as_netcdf(tmp_path / "a.nc", units=units)).units == word
 
@@ -226,7 +240,7 @@ def huge_mat(path: Path) -> Path:
     as_mat(path)
     content = bytearray(path.read_bytes())
     dims = content.index(np.array([5, 6, 7], "<i4").tobytes())
-    content[dims: dims + 12] = np.array([1000, 1000, 1250], "<i4").tobytes()
+    content[dims : dims + 12] = np.array([1000, 1000, 1250], "<i4").tobytes()
     return raw(path, bytes(content))
 
 
@@ -282,8 +296,11 @@ BAD = {
     "netcdf without a root": (lambda p: rootless(p / "a.nc"), "damaged", "export it again"),
     "netcdf cut": (lambda p: cut(as_netcdf(p / "a.nc")), "damaged or cut short", "export it again"),
     "npy cut": (lambda p: raw(p / "a.npy", npy_bytes(small_cube().surface)[:-9]), "cut short", "export it again"),
-    "npy of objects": (lambda p: raw(p / "a.npy", npy_bytes(np.full((2, 2, 2), None), allow_pickle=True)),
-                       "pickled objects, which are never loaded", "array of numbers"),
+    "npy of objects": (
+        lambda p: raw(p / "a.npy", npy_bytes(np.full((2, 2, 2), None), allow_pickle=True)),
+        "pickled objects, which are never loaded",
+        "array of numbers",
+    ),
     "npy with fields": (lambda p: raw(p / "a.npy", npy_bytes(np.zeros((2, 2, 2), [("a", "f8")]))), "type", "numbers"),
     "npz of objects": (lambda p: object_npz(p / "a.npz"), "pickled objects, which are never loaded", "numbers"),
     "mat of cells": (lambda p: as_mat(p / "a.mat", eta=np.full((2, 2, 2), "a", object)), "eta as cells", "numbers"),
@@ -291,23 +308,38 @@ BAD = {
     "no eta": (lambda p: as_npz(p / "a.npz", eta=None), "no variable eta", r"store the surface as eta\[x, y, t\]"),
     "two axes": (lambda p: as_mat(p / "a.mat", eta=np.ones((5, 6))), "2 axes instead of three", "store eta"),
     "four axes": (lambda p: as_npz(p / "a.npz", eta=np.ones((5, 6, 7, 3))), "4 axes", r"store eta\[x, y, t\]"),
-    "Octave's own": (lambda p: raw(p / "a.mat", b"# Created by Octave 8.4.0\n# name: eta\n"), "of Octave's own",
-                     "save -v7"),
+    "Octave's own": (
+        lambda p: raw(p / "a.mat", b"# Created by Octave 8.4.0\n# name: eta\n"),
+        "of Octave's own",
+        "save -v7",
+    ),
     "no t": (lambda p: as_npz(p / "a.npz", t=None), "lacks the coordinate t", "--spacing"),
-    "netcdf without x": (lambda p: as_netcdf(p / "a.nc", x=None, units=("", "", "")), "lacks the coordinate x",
-                         "--spacing"),
+    "netcdf without x": (
+        lambda p: as_netcdf(p / "a.nc", x=None, units=("", "", "")),
+        "lacks the coordinate x",
+        "--spacing",
+    ),
     "wrong size": (lambda p: as_npz(p / "a.npz", y=np.arange(9.0)), "9 values of y for 6 samples", "--axes"),
-    "uneven": (lambda p: as_npz(p / "a.npz", x=GAP), r"coordinate x that is not uniform: 0.906 \(index 3\)",
-               "interpolate"),
+    "uneven": (
+        lambda p: as_npz(p / "a.npz", x=GAP),
+        r"coordinate x that is not uniform: 0.906 \(index 3\)",
+        "interpolate",
+    ),
     "decreasing": (lambda p: as_mat(p / "a.mat", x=BACK), "not increase: 1.2 is followed by 0.9", "reverse"),
     "repeated": (lambda p: as_npz(p / "a.npz", x=TWICE), r"not increase: 0.6 is followed by 0.6 \(index 2\)", "sort"),
-    "coordinate with nan": (lambda p: as_npz(p / "a.npz", x=np.where(X > 1, np.nan, X)), "x that is not all finite",
-                            "correct it"),
+    "coordinate with nan": (
+        lambda p: as_npz(p / "a.npz", x=np.where(X > 1, np.nan, X)),
+        "x that is not all finite",
+        "correct it",
+    ),
     "kilometres": (lambda p: as_netcdf(p / "a.nc", units=("m", "km", "s")), "mixed units: x in m, y in km", "convert"),
     "milliseconds": (lambda p: as_netcdf(p / "a.nc", units=("m", "m", "ms")), "mixed units", "convert"),
     "units of one only": (lambda p: as_netcdf(p / "a.nc", units=("m", "m", "")), "t in no unit", "convert"),
-    "si with scaled gravity": (lambda p: as_npz(p / "a.npz", units="si", gravity=1.0), "mixed units: it says SI",
-                               "--gravity"),
+    "si with scaled gravity": (
+        lambda p: as_npz(p / "a.npz", units="si", gravity=1.0),
+        "mixed units: it says SI",
+        "--gravity",
+    ),
     "scaled with gravity": (lambda p: as_npz(p / "a.npz", units="scaled"), "mixed units: it says scaled", "--gravity"),
     "unknown units": (lambda p: as_npz(p / "a.npz", units="feet"), "units = 'feet'", "say si"),
     "no gravity": (lambda p: as_npz(p / "a.npz", gravity=None), "does not say its gravity", "--gravity"),
@@ -421,7 +453,14 @@ def test_netcdf_follows_the_conventions(tmp_path):
         assert data.attrs["Conventions"] == "CF-1.10"
         assert data["eta"].dims == ("x", "y", "t")
         assert {name: data[name].attrs["units"] for name in ("eta", "x", "t", "gravity", "kx", "omega", "current")} == {
-            "eta": "m", "x": "m", "t": "s", "gravity": "m s-2", "kx": "m-1", "omega": "s-1", "current": "m s-1"}
+            "eta": "m",
+            "x": "m",
+            "t": "s",
+            "gravity": "m s-2",
+            "kx": "m-1",
+            "omega": "s-1",
+            "current": "m s-1",
+        }
         assert data["eta"].attrs["standard_name"] == "sea_surface_height_above_mean_sea_level"
         assert [data[name].attrs["axis"] for name in "xyt"] == ["X", "Y", "T"]
 
@@ -439,8 +478,12 @@ def test_damage_anywhere_is_refused_or_harmless(tmp_path, kind, capfd):
 
     NetCDF is only cut: bytes changed within can keep the HDF5 library itself busy for ever.
     """
-    make = {"npz": as_npz, "mat": as_mat, "nc": as_netcdf,
-            "npy": lambda path: raw(path, npy_bytes(small_cube().surface))}[kind]
+    make = {
+        "npz": as_npz,
+        "mat": as_mat,
+        "nc": as_netcdf,
+        "npy": lambda path: raw(path, npy_bytes(small_cube().surface)),
+    }[kind]
     options = {"spacing": GRID.spacing, "gravity": 1.0} if kind == "npy" else {}
     content = make(tmp_path / f"good.{kind}").read_bytes()
     rng, refused = np.random.default_rng(11), []

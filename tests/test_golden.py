@@ -16,6 +16,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from test_commands import leakref as command
 
 import leakref
 from leakref import LeakrefError
@@ -26,16 +27,33 @@ from leakref.golden.sets import Entry, Golden, compare
 from leakref.golden.stages import STAGES
 from leakref.golden.vectors import VECTORS
 
-from test_commands import leakref as command
-
 pytestmark = pytest.mark.stored
 SET = Path(str(sets.locate()))
 ALL = list(Golden().entries())
 HOUSE = Path(leakref.__file__).parent
-FAULTS = {"negated-current", "flipped-x", "flipped-y", "exchanged-axes", "solve-sign-slip", "hard-coded-width",
-          "extra-branch", "missing-negative-branch", "no-taper", "two-thirds-energy", "nan-as-number"}
-WITNESSED = ("jonswap-33", "doppler-turning", "spectrum-half-bin", "score-si", "derivatives-moving", "nsp-half-bin",
-             "ls-threshold", "figures-hann")
+FAULTS = {
+    "negated-current",
+    "flipped-x",
+    "flipped-y",
+    "exchanged-axes",
+    "solve-sign-slip",
+    "hard-coded-width",
+    "extra-branch",
+    "missing-negative-branch",
+    "no-taper",
+    "two-thirds-energy",
+    "nan-as-number",
+}
+WITNESSED = (
+    "jonswap-33",
+    "doppler-turning",
+    "spectrum-half-bin",
+    "score-si",
+    "derivatives-moving",
+    "nsp-half-bin",
+    "ls-threshold",
+    "figures-hann",
+)
 
 
 def of(*sets):
@@ -128,14 +146,27 @@ def test_every_ensemble_is_reproduced(tmp_path):
 
 
 def entry(**record):
-    base = {"id": "the-id", "stage": "window", "purpose": "a test", "input": {}, "output": {"v": [1.0, 2.0]},
-            "accuracy": {"v": {"digits": 15.0, "conditioning": 1.0, "tolerance": sets.tolerance(1.0)}}}
+    base = {
+        "id": "the-id",
+        "stage": "window",
+        "purpose": "a test",
+        "input": {},
+        "output": {"v": [1.0, 2.0]},
+        "accuracy": {"v": {"digits": 15.0, "conditioning": 1.0, "tolerance": sets.tolerance(1.0)}},
+    }
     return Entry("vectors/x.json", {**base, **record})
 
 
-@pytest.mark.parametrize(("found", "said"), [
-    ({"v": [1.0, 2.0 + 2e-14]}, "v[1] is 2.00000000000002"), ({"v": [np.nan, 2.0]}, "v[0] is nan"),
-    ({"v": [1.0]}, "has shape (1,)"), ({}, "v is missing"), ({"v": [np.inf, 2.0]}, "v[0] is inf")])
+@pytest.mark.parametrize(
+    ("found", "said"),
+    [
+        ({"v": [1.0, 2.0 + 2e-14]}, "v[1] is 2.00000000000002"),
+        ({"v": [np.nan, 2.0]}, "v[0] is nan"),
+        ({"v": [1.0]}, "has shape (1,)"),
+        ({}, "v is missing"),
+        ({"v": [np.inf, 2.0]}, "v[0] is inf"),
+    ],
+)
 def test_what_differs_is_named(found, said):
     (failure,) = compare(entry(), found)
     assert failure.id == "the-id"
@@ -246,19 +277,26 @@ def test_every_number_of_the_manifest_is_protected(copy):
     assert "window-hann-7" in {f.id for f in lint(Golden(copy)).failures}
 
 
-@pytest.mark.parametrize(("harm", "named"), [
-    (lambda folder: (folder / "vectors/window.json").unlink(), "vectors/window.json"),
-    (lambda folder: (folder / "manifest.json").unlink(), "manifest.json"),
-    (lambda folder: (folder / "schema.json").write_text("{}"), "schema.json"),
-    (lambda folder: (folder / "manifest.json").write_text("{}"), "manifest.json"),
-    (lambda folder: (folder / "vectors/window.json").write_text("{"), "vectors/window.json"),
-    (lambda folder: (folder / "vectors/mine.json").write_text("{}"), "vectors/mine.json"),
-    (lambda folder: swap(folder, '"digits": 15.6', '"digits": NaN'), "vectors/window.json"),
-    (lambda folder: swap(folder, '"stage": "window"', '"stage": "window", "stage": "other"'), "vectors/window.json"),
-    (lambda folder: swap(folder, '"purpose": "p', '"purpose": "", "was": "p'), "window-box-7"),
-    (lambda folder: swap(folder, '"id": "window-hann-7"', '"id": "window-box-7"'), "window-hann-7"),
-    (lambda folder: swap(folder, "1.4210854715202004e-14", "1.5e-14"), "window-box-7"),
-    (lambda folder: swap(folder, "{\n", "{\n\n"), "vectors/window.json")])
+@pytest.mark.parametrize(
+    ("harm", "named"),
+    [
+        (lambda folder: (folder / "vectors/window.json").unlink(), "vectors/window.json"),
+        (lambda folder: (folder / "manifest.json").unlink(), "manifest.json"),
+        (lambda folder: (folder / "schema.json").write_text("{}"), "schema.json"),
+        (lambda folder: (folder / "manifest.json").write_text("{}"), "manifest.json"),
+        (lambda folder: (folder / "vectors/window.json").write_text("{"), "vectors/window.json"),
+        (lambda folder: (folder / "vectors/mine.json").write_text("{}"), "vectors/mine.json"),
+        (lambda folder: swap(folder, '"digits": 15.6', '"digits": NaN'), "vectors/window.json"),
+        (
+            lambda folder: swap(folder, '"stage": "window"', '"stage": "window", "stage": "other"'),
+            "vectors/window.json",
+        ),
+        (lambda folder: swap(folder, '"purpose": "p', '"purpose": "", "was": "p'), "window-box-7"),
+        (lambda folder: swap(folder, '"id": "window-hann-7"', '"id": "window-box-7"'), "window-hann-7"),
+        (lambda folder: swap(folder, "1.4210854715202004e-14", "1.5e-14"), "window-box-7"),
+        (lambda folder: swap(folder, "{\n", "{\n\n"), "vectors/window.json"),
+    ],
+)
 def test_a_set_that_was_harmed_fails_and_is_never_skipped(harm, named, copy):
     harm(copy)
     report = lint(Golden(copy))
@@ -281,7 +319,6 @@ def put_in_place(monkeypatch, name, value):
     for module in (ids, entries, records, making, verifying):
         if hasattr(module, name):
             monkeypatch.setattr(module, name, value)
-
 
 
 def test_writing_what_was_read_gives_the_same_bytes(tmp_path):
@@ -341,7 +378,8 @@ def test_what_was_changed_is_not_covered_up_by_making_something_else(small):
 def test_what_was_made_before_an_interruption_is_whole(small, monkeypatch):
     make = entries.vector_record
     monkeypatch.setattr(
-        entries, "vector_record", lambda v, *rest: {}["gone"] if v.id == "grid-small" else make(v, *rest))
+        entries, "vector_record", lambda v, *rest: {}["gone"] if v.id == "grid-small" else make(v, *rest)
+    )
     with pytest.raises(KeyError, match="gone"):
         making.regenerate(["grid-rounded", "grid-small"], small)
     assert lint(Golden(small)).ok
@@ -379,8 +417,14 @@ def rounded(value, relative):
 
 def redefined(monkeypatch, relative):
     """All inputs of vectors as they would be computed elsewhere."""
-    put_in_place(monkeypatch, "VECTORS", {part: tuple(replace(v, input=rounded(v.input, relative)) for v in members)
-                                            for part, members in VECTORS.items()})
+    put_in_place(
+        monkeypatch,
+        "VECTORS",
+        {
+            part: tuple(replace(v, input=rounded(v.input, relative)) for v in members)
+            for part, members in VECTORS.items()
+        },
+    )
 
 
 def test_inputs_that_are_rounded_otherwise_are_read_and_nothing_is_proposed(some_vectors, monkeypatch):
@@ -409,7 +453,8 @@ def test_inputs_that_are_others_are_proposed(some_vectors, monkeypatch):
     rows, settled = making.regenerate([], some_vectors)
     assert not settled
     assert {row["id"] for row in rows if row["change"] != "same"} == {
-        e.id for e in ALL if e.id in SOME and any(np.asarray(v).dtype.kind == "f" for v in e.input.values())}
+        e.id for e in ALL if e.id in SOME and any(np.asarray(v).dtype.kind == "f" for v in e.input.values())
+    }
 
 
 def test_what_is_the_same_and_what_is_not():
@@ -421,30 +466,56 @@ def test_what_is_the_same_and_what_is_not():
         return Entry(e.file, record, e.arrays)
 
     room = float(np.max(e.tolerance("velocities")))
-    moved = {share: other(lambda r, share=share: r["output"]["velocities"][0].__setitem__(
-        0, r["output"]["velocities"][0][0] + share * room)) for share in (0.1, 10)}
+    moved = {
+        share: other(
+            lambda r, share=share: r["output"]["velocities"][0].__setitem__(
+                0, r["output"]["velocities"][0][0] + share * room
+            )
+        )
+        for share in (0.1, 10)
+    }
     assert same.agree(e, moved[0.1])
     assert not same.agree(e, moved[10])
     said = e.record["accuracy"]["velocities"]
     for change, agrees in (
-            (lambda r: r["accuracy"]["velocities"].update(digits=14.0), True),
-            (lambda r: r["accuracy"]["velocities"].update(conditioning=[c * (1 + 1e-12) for c in said["conditioning"]]),
-             True),
-            (lambda r: r["accuracy"]["velocities"].update(conditioning=[c * 1.001 for c in said["conditioning"]]),
-             False),
-            (lambda r: r.update(purpose="another"), False), (lambda r: r["output"].update(more=[1.0]), False),
-            (lambda r: r["input"].update(window="box"), False), (lambda r: r["input"].update(gravity=1.001), False),
-            (lambda r: r["input"].pop("gravity"), False), (lambda r: r["notes"].__setitem__(0, ["flat"]), False),
-            (lambda r: r["output"]["velocities"].__setitem__(0, [None, None]), False)):
+        (lambda r: r["accuracy"]["velocities"].update(digits=14.0), True),
+        (
+            lambda r: r["accuracy"]["velocities"].update(conditioning=[c * (1 + 1e-12) for c in said["conditioning"]]),
+            True,
+        ),
+        (lambda r: r["accuracy"]["velocities"].update(conditioning=[c * 1.001 for c in said["conditioning"]]), False),
+        (lambda r: r.update(purpose="another"), False),
+        (lambda r: r["output"].update(more=[1.0]), False),
+        (lambda r: r["input"].update(window="box"), False),
+        (lambda r: r["input"].update(gravity=1.001), False),
+        (lambda r: r["input"].pop("gravity"), False),
+        (lambda r: r["notes"].__setitem__(0, ["flat"]), False),
+        (lambda r: r["output"]["velocities"].__setitem__(0, [None, None]), False),
+    ):
         assert same.agree(e, other(change)) == agrees
 
 
-@pytest.mark.parametrize(("a", "b", "alike"), [
-    (1.0, 1 + 2.0**-52, True), (1.0, 1 + 2.0**-48, False), ([0.0, 1.0], [1e-300, 1.0], False), (1, 1.0, True),
-    ([1.0, None], [1.0, None], True), ([1.0, None], [1.0, 0.0], False), ({"a": [1.0]}, {"a": [1 + 2.0**-52]}, True),
-    ({"a": 1}, {"b": 1}, False), ("1", 1, False), (True, 1, False), (["box", 1.0], ["box", 1 + 2.0**-52], True),
-    (["box"], ["hann"], False), ([[1.0], [2.0, 3.0]], [[1.0], [2.0, 3.0]], True), ([[1.0], [2.0, 3.0]], [[1.0]], False),
-    ([1.0], [1.0, 1.0], False), (None, 0.0, False)])
+@pytest.mark.parametrize(
+    ("a", "b", "alike"),
+    [
+        (1.0, 1 + 2.0**-52, True),
+        (1.0, 1 + 2.0**-48, False),
+        ([0.0, 1.0], [1e-300, 1.0], False),
+        (1, 1.0, True),
+        ([1.0, None], [1.0, None], True),
+        ([1.0, None], [1.0, 0.0], False),
+        ({"a": [1.0]}, {"a": [1 + 2.0**-52]}, True),
+        ({"a": 1}, {"b": 1}, False),
+        ("1", 1, False),
+        (True, 1, False),
+        (["box", 1.0], ["box", 1 + 2.0**-52], True),
+        (["box"], ["hann"], False),
+        ([[1.0], [2.0, 3.0]], [[1.0], [2.0, 3.0]], True),
+        ([[1.0], [2.0, 3.0]], [[1.0]], False),
+        ([1.0], [1.0, 1.0], False),
+        (None, 0.0, False),
+    ],
+)
 def test_alike_but_for_rounding(a, b, alike):
     assert same.alike(a, b) == same.alike(b, a) == alike
 
@@ -612,12 +683,24 @@ PERCENT = [  # module, where in its source, the number to be 1 % off, the stage 
     ("leastsquares", "THRESHOLD = 0.2", "0.2", "ls"),
 ]
 REWRITTEN = [  # constants that are no number in the source, or whose hundredth part is nothing
-    ("dispersion", "np.sqrt(self.gravity * np.asarray(wavenumber, dtype=np.float64))",
-     "(self.gravity * np.asarray(wavenumber, dtype=np.float64)) ** 0.505", "dispersion"),
-    ("dispersion", "np.sqrt(self.gravity / np.asarray(wavenumber, dtype=np.float64))",
-     "(self.gravity / np.asarray(wavenumber, dtype=np.float64)) ** 0.505", "dispersion"),
-    ("dispersion", "float(Water(self.gravity).frequency(self.peak_wavenumber))",
-     "float((self.gravity * self.peak_wavenumber) ** 0.505)", "scales"),
+    (
+        "dispersion",
+        "np.sqrt(self.gravity * np.asarray(wavenumber, dtype=np.float64))",
+        "(self.gravity * np.asarray(wavenumber, dtype=np.float64)) ** 0.505",
+        "dispersion",
+    ),
+    (
+        "dispersion",
+        "np.sqrt(self.gravity / np.asarray(wavenumber, dtype=np.float64))",
+        "(self.gravity / np.asarray(wavenumber, dtype=np.float64)) ** 0.505",
+        "dispersion",
+    ),
+    (
+        "dispersion",
+        "float(Water(self.gravity).frequency(self.peak_wavenumber))",
+        "float((self.gravity * self.peak_wavenumber) ** 0.505)",
+        "scales",
+    ),
     ("sea", "* peakedness**r", "* peakedness ** (1.01 * r)", "jonswap"),
     ("sea", "np.sqrt(energy), uniform", "energy**0.505, uniform", "components"),
     ("sea", ">> np.uint64(11)", ">> np.uint64(12)", "phases"),
@@ -628,8 +711,12 @@ REWRITTEN = [  # constants that are no number in the source, or whose hundredth 
     ("shell", "EDGE_MARGIN = 1e-9", "EDGE_MARGIN = -1e-9", "shell"),
     ("nsp", "START = 2.5e-4", "START = 1.0", "nsp"),
     ("ensemble", "np.where(few, 1, self.count - 1)", "np.where(few, 1, self.count)", "statistics"),
-    ("ensemble", "self.random / np.sqrt(np.maximum(self.count, 1))", "self.random / np.maximum(self.count, 1)**0.505",
-     "statistics"),
+    (
+        "ensemble",
+        "self.random / np.sqrt(np.maximum(self.count, 1))",
+        "self.random / np.maximum(self.count, 1)**0.505",
+        "statistics",
+    ),
 ]
 
 
@@ -691,8 +778,9 @@ def seen(module, old, new, stage):
     assert found == stage, f"{module}: {old!r} -> {new!r} was seen by {found}, not by {stage}: {failures[:2]}"
 
 
-every_constant = pytest.mark.parametrize(("module", "where", "number", "stage"), PERCENT,
-                                         ids=[f"{p[0]}-{p[1]}-{p[2]}" for p in PERCENT])
+every_constant = pytest.mark.parametrize(
+    ("module", "where", "number", "stage"), PERCENT, ids=[f"{p[0]}-{p[1]}-{p[2]}" for p in PERCENT]
+)
 
 
 @pytest.mark.filterwarnings("ignore")  # of a wrong constant, that it overflows

@@ -16,8 +16,8 @@ import leakref
 from leakref._base import Damaged
 from leakref.certify.strength import study
 from leakref.claims import stored
-from leakref.golden.sets import Golden
 from leakref.golden import beside, commands
+from leakref.golden.sets import Golden
 from leakref.track import commands as track
 from leakref.track import history
 from leakref.track.tracking import Series
@@ -37,7 +37,7 @@ def one_digit(path):
     text = path.read_bytes()
     found = re.compile(rb"[1-8]").search(text, len(text) // 2) or re.search(rb"[a-y]", text)
     at = found.start()
-    path.write_bytes(text[:at] + bytes([text[at] + 1]) + text[at + 1:])
+    path.write_bytes(text[:at] + bytes([text[at] + 1]) + text[at + 1 :])
 
 
 def entries(change):
@@ -62,6 +62,7 @@ HARMS = {
 
 
 # ---------------------------------------------------------------- sets
+
 
 @pytest.mark.parametrize("harm", HARMS)
 def test_a_file_that_was_changed_is_not_read(harm, copy):
@@ -91,8 +92,15 @@ def covered_up(manifest):
     manifest["files"]["vectors/window.json"]["sha256"] = "0" * 64
 
 
-@pytest.mark.parametrize("harm", [covered_up, lambda manifest: manifest.pop("sha256"),
-                                  lambda manifest: manifest.update(files=[]), lambda manifest: manifest.clear()])
+@pytest.mark.parametrize(
+    "harm",
+    [
+        covered_up,
+        lambda manifest: manifest.pop("sha256"),
+        lambda manifest: manifest.update(files=[]),
+        lambda manifest: manifest.clear(),
+    ],
+)
 def test_a_manifest_that_was_changed_is_not_believed(harm, copy):
     path = copy / "v1/manifest.json"
     manifest = json.loads(path.read_text(encoding="utf-8"))
@@ -103,6 +111,7 @@ def test_a_manifest_that_was_changed_is_not_believed(harm, copy):
 
 
 # ---------------------------------------------------------------- commands
+
 
 @pytest.fixture
 def installed(tmp_path):
@@ -115,8 +124,13 @@ def installed(tmp_path):
 
     def run(*words):
         code = "import sys; from leakref.cli import main; sys.argv[0] = 'leakref'; main()"
-        return subprocess.run([sys.executable, "-c", code, *words], capture_output=True, text=True, cwd=tmp_path,
-                              env={**os.environ, "PYTHONPATH": str(root)})
+        return subprocess.run(
+            [sys.executable, "-c", code, *words],
+            capture_output=True,
+            text=True,
+            cwd=tmp_path,
+            env={**os.environ, "PYTHONPATH": str(root)},
+        )
 
     return root / "leakref" / "_golden", run
 
@@ -124,10 +138,13 @@ def installed(tmp_path):
 def test_no_code_is_judged_by_a_set_that_was_changed(installed):
     golden, run = installed
     whole = (golden / "v1/vectors/window.json").read_bytes()
-    for harm, *words in (("one digit", "certify", "reference", "--only", "conformance"),
-                         ("emptied to one entry", "certify", "fault:flipped-y", "--only", "signs"),
-                         ("missing", "certify", "reference"), ("one digit", "golden", "verify"),
-                         ("one digit", "explain", "window-hann-7")):
+    for harm, *words in (
+        ("one digit", "certify", "reference", "--only", "conformance"),
+        ("emptied to one entry", "certify", "fault:flipped-y", "--only", "signs"),
+        ("missing", "certify", "reference"),
+        ("one digit", "golden", "verify"),
+        ("one digit", "explain", "window-hann-7"),
+    ):
         (golden / "v1/vectors/window.json").write_bytes(whole)
         HARMS[harm](golden / "v1/vectors/window.json")
         done = run(*words)
@@ -154,6 +171,7 @@ def test_no_result_is_shown_that_was_changed(installed):
 
 
 # ---------------------------------------------------------------- beside the sets
+
 
 def failures(copy):
     return {failure.id for failure in beside.lint(copy)[1]}

@@ -27,11 +27,15 @@ def test_lengths_bins_nyquist_and_samples_count_n_d_on_each_axis_of_its_own():
     assert grid.wavenumber_resolution == 2 * math.pi / 1.5  # the coarser: decision D20
     assert grid.frequency_resolution == 2 * math.pi / 12.0
     assert [grid.samples(a).tolist() for a in range(3)] == [
-        [0.0, 0.5, 1.0, 1.5], [0.3 * n for n in range(5)], [0.0, 2.0, 4.0, 6.0, 8.0, 10.0]]
+        [0.0, 0.5, 1.0, 1.5],
+        [0.3 * n for n in range(5)],
+        [0.0, 2.0, 4.0, 6.0, 8.0, 10.0],
+    ]
 
 
-@pytest.mark.parametrize(("length", "duration", "n", "nt"),
-                         [(5, 10, 140, 140), (10, 20, 280, 280), (20, 80, 560, 1120)])
+@pytest.mark.parametrize(
+    ("length", "duration", "n", "nt"), [(5, 10, 140, 140), (10, 20, 280, 280), (20, 80, 560, 1120)]
+)
 def test_scaled_grid_has_the_spacings_of_the_paper(length, duration, n, nt):
     grid = Grid.scaled(length, duration)
     assert grid.shape == (n, n, nt)
@@ -53,15 +57,32 @@ def test_a_grid_is_a_value():
         grid.shape = (1, 1, 1)
 
 
-@pytest.mark.parametrize("shape", [(1, 4, 4), (4, 4, 1), (0, 4, 4), (-4, 4, 4), (4.5, 4, 4), (4, 4), (4, 4, 4, 4), 4,
-                                   None, (np.nan, 4, 4), (np.inf, 4, 4), ("a", 4, 4), (4, 4, None)])
+@pytest.mark.parametrize(
+    "shape",
+    [
+        (1, 4, 4),
+        (4, 4, 1),
+        (0, 4, 4),
+        (-4, 4, 4),
+        (4.5, 4, 4),
+        (4, 4),
+        (4, 4, 4, 4),
+        4,
+        None,
+        (np.nan, 4, 4),
+        (np.inf, 4, 4),
+        ("a", 4, 4),
+        (4, 4, None),
+    ],
+)
 def test_bad_shapes_are_refused(shape):
     with pytest.raises(LeakrefError, match=r"^Grid: .*shape.*; give \(nx, ny, nt\)"):
         Grid(shape, (1, 1, 1))
 
 
-@pytest.mark.parametrize("spacing", [(0, 1, 1), (1, -1, 1), (1, 1, np.nan), (np.inf, 1, 1), (1, 1), (1, 1, 1, 1), 1,
-                                     None, ("a", 1, 1)])
+@pytest.mark.parametrize(
+    "spacing", [(0, 1, 1), (1, -1, 1), (1, 1, np.nan), (np.inf, 1, 1), (1, 1), (1, 1, 1, 1), 1, None, ("a", 1, 1)]
+)
 def test_bad_spacings_are_refused(spacing):
     with pytest.raises(LeakrefError, match=r"^Grid: .*spacing"):
         Grid((4, 4, 4), spacing)

@@ -16,18 +16,19 @@ from tools import requires
 from leakref import Grid, LeakrefError, aligned_waves, guides, synthesize
 from leakref._base import installed_with
 from leakref.certify.certificate import schema
+from leakref.certify.runner import run_check
 from leakref.certify.subject import child, protocol
 from leakref.certify.subject.declaration import Declaration
 from leakref.certify.subject.inprocess import InProcess
-from leakref.certify.runner import run_check
 from leakref.certify.targets import Limits, connect, load
 from leakref.certify.verdict import Verdict
 from leakref.window import WINDOWS
 
 FOLDER = Path(guides.__file__).parent / "guide"
 PROJECT = FOLDER.parents[1]
-BLOCK = re.compile(r"(?:<!-- (?P<note>[^\n]*) -->\n)?```(?P<language>\w+)\n(?P<text>.*?)^```$",
-                   re.DOTALL | re.MULTILINE)
+BLOCK = re.compile(
+    r"(?:<!-- (?P<note>[^\n]*) -->\n)?```(?P<language>\w+)\n(?P<text>.*?)^```$", re.DOTALL | re.MULTILINE
+)
 NEEDS = {"octave": ("octave-cli", "octave"), "cpp": ("g++",)}
 
 
@@ -42,8 +43,13 @@ def typed(line, folder):
     """Run a line of a shell; `# exit status N` at its end is what is expected."""
     expected = re.search(r"  # exit status (\d+)$", line)
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-    done = subprocess.run(["bash", "-c", line], cwd=folder, capture_output=True, text=True,
-                          env={**os.environ, "PATH": path, "OMP_NUM_THREADS": "1"})
+    done = subprocess.run(
+        ["bash", "-c", line],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        env={**os.environ, "PATH": path, "OMP_NUM_THREADS": "1"},
+    )
     printed = done.stdout + done.stderr
     assert done.returncode == (int(expected[1]) if expected else 0), f"{line}\n{printed[-3000:]}"
     return printed
@@ -62,8 +68,9 @@ def followed(topic, folder):
             assert count == 1
             path.write_text(changed, encoding="utf-8")
         elif language == "python":
-            seen += subprocess.run([sys.executable, "-c", words], cwd=folder, check=True, capture_output=True,
-                                   text=True).stdout
+            seen += subprocess.run(
+                [sys.executable, "-c", words], cwd=folder, check=True, capture_output=True, text=True
+            ).stdout
         else:
             assert language == "sh", f"a block of {language} that is not tried"
             for line in words.splitlines():
@@ -118,11 +125,19 @@ def named_in_vain(words):
     words = re.sub(r'(?:"\s*\n\s*f?"|\s|#(?= ))+', " ", words)  # across the lines of a comment or of a string
     there = {path.name for folder in ("", ".github", *FOLDERS) for path in (PROJECT / folder).glob("*.md")}
     there |= {path.name for path in (PROJECT / "leakref").rglob("*.md")}
-    found = [name for name in re.findall(r"(?<![\w*}])[\w./-]*\w\.md\b", words)
-             if name.rpartition("/")[2] not in there or ("/" in name and name[0] != "/" and not any(
-                 (PROJECT / folder / name).exists() for folder in ("", "leakref")))]
-    found += [name for name in re.findall(r"(?<![\w/.])(?:leakref|properties)/[\w/]+\.py\b", words)
-              if not (PROJECT / name).exists()]
+    found = [
+        name
+        for name in re.findall(r"(?<![\w*}])[\w./-]*\w\.md\b", words)
+        if name.rpartition("/")[2] not in there
+        or (
+            "/" in name and name[0] != "/" and not any((PROJECT / folder / name).exists() for folder in ("", "leakref"))
+        )
+    ]
+    found += [
+        name
+        for name in re.findall(r"(?<![\w/.])(?:leakref|properties)/[\w/]+\.py\b", words)
+        if not (PROJECT / name).exists()
+    ]
     found += [topic for topic in re.findall(r"\bleakref guide ([a-z][a-z-]*)", words) if topic not in guides.TOPICS]
     for topic, numbers in re.findall(r"\bguide ([a-z-]+), sections? (\d+(?:(?:, | and )\d+)*)", words):
         found += [f"{topic}, section {n}" for n in re.findall(r"\d+", numbers) if int(n) not in sections(topic)]
@@ -150,10 +165,17 @@ def test_no_document_is_named_that_is_not_there():
 
 def test_nothing_says_that_leakref_comes_from_an_index():
     """It is on none: an address goes with its name. Only one place in the package says how it is installed."""
-    said = {path: found for path, words in texts().items()
-            if (found := re.findall(r"pip install [^\n]*leakref[^\n]*", words)) and not path.startswith("tests/")}
-    wrong = {path: line for path, lines in said.items() for line in lines
-             if not re.search(r"leakref(\[[^]]*\])? @ |/leakref-\*\.whl|install --quiet \. && ", line)}
+    said = {
+        path: found
+        for path, words in texts().items()
+        if (found := re.findall(r"pip install [^\n]*leakref[^\n]*", words)) and not path.startswith("tests/")
+    }
+    wrong = {
+        path: line
+        for path, lines in said.items()
+        for line in lines
+        if not re.search(r"leakref(\[[^]]*\])? @ |/leakref-\*\.whl|install --quiet \. && ", line)
+    }
     assert wrong == {}
     assert [path for path in said if path.endswith(".py")] == ["leakref/_base.py"]
     assert "leakref[netcdf] @ ADDRESS" in installed_with("netcdf")
@@ -174,11 +196,19 @@ def test_the_readme_is_what_is_seen():
     assert readme.index("fault:exchanged-axes") < readme.index("python3 -m venv") < 6000
 
 
-@pytest.mark.parametrize("words", [  # in pieces, so that this file names none of them
-    "as in CONTRACT" + ".md", "see leakref/guide/protocoll" + ".md", "`leakref guide " + "protocoll`",
-    "(guide " + "protocol, section 99)", "guide " + "protocol,\n    # sections 1 and 99",
-    '"guide "\n  "' + 'protocol, section 0"', "guide " + "python, section 1",
-    "in `leakref/" + "certify/faults.py`"])
+@pytest.mark.parametrize(
+    "words",
+    [  # in pieces, so that this file names none of them
+        "as in CONTRACT" + ".md",
+        "see leakref/guide/protocoll" + ".md",
+        "`leakref guide " + "protocoll`",
+        "(guide " + "protocol, section 99)",
+        "guide " + "protocol,\n    # sections 1 and 99",
+        '"guide "\n  "' + 'protocol, section 0"',
+        "guide " + "python, section 1",
+        "in `leakref/" + "certify/faults.py`",
+    ],
+)
 def test_a_document_that_is_not_there_is_seen(words):
     assert len(named_in_vain(words)) == 1
 
@@ -195,8 +225,11 @@ def section(number):
 
 def rows(number, width):
     """The rows of the tables in a section that have so many columns, without the titles."""
-    cells = [[cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]]
-             for line in section(number).splitlines() if line.startswith("|")]
+    cells = [
+        [cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]]
+        for line in section(number).splitlines()
+        if line.startswith("|")
+    ]
     return [row for row in cells if len(row) == width and not row[0].startswith("---")]
 
 
@@ -223,10 +256,16 @@ def test_its_defaults_are_those_of_a_declaration():
             if name in ("units", "axes", "y", "direction", "format"):
                 assert all(Declaration.read({name: json.loads(one)}) for one in quoted(values))
     assert seen == set(Declaration.__dataclass_fields__)
-    of_extract = {quoted(names)[0]: json.loads(quoted(default)[0]) for names, default, _ in rows(3, 3)
-                  if names.startswith("`extract")}
-    assert of_extract == {"extract.methods": list(declared.methods), "extract.windows": list(declared.windows),
-                          "extract.resolves": "band" if declared.band else "wavenumber"}
+    of_extract = {
+        quoted(names)[0]: json.loads(quoted(default)[0])
+        for names, default, _ in rows(3, 3)
+        if names.startswith("`extract")
+    }
+    assert of_extract == {
+        "extract.methods": list(declared.methods),
+        "extract.windows": list(declared.windows),
+        "extract.resolves": "band" if declared.band else "wavenumber",
+    }
     assert set(WINDOWS) <= set(quoted(section(3)))
 
 
@@ -257,8 +296,10 @@ def test_its_stages_are_handed_what_it_says(tmp_path):
         asked = json.loads(request.read_text(encoding="utf-8"))
         with np.load(asked["input"]) as stored:
             seen[asked["stage"]] = (set(stored.files), set(asked["parameters"]))
-    table = {quoted(stage)[0]: (set(quoted(arrays)), set(quoted(parameters)))
-             for stage, arrays, parameters, _ in rows(4, 4)[1:]}
+    table = {
+        quoted(stage)[0]: (set(quoted(arrays)), set(quoted(parameters)))
+        for stage, arrays, parameters, _ in rows(4, 4)[1:]
+    }
     assert table == seen
 
 
@@ -289,4 +330,5 @@ def test_its_numbers_are_those_of_the_code():
     required = set(schema()["required"]) - {"schema", "version", "ok"}
     assert required <= set(quoted(certify))
     assert set(schema()["properties"]["findings"]["items"]["required"]) == set(
-        re.search(r"`findings`: `\[\{(.*?)\}\]`", certify)[1].split(", "))
+        re.search(r"`findings`: `\[\{(.*?)\}\]`", certify)[1].split(", ")
+    )

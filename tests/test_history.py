@@ -8,8 +8,8 @@ import multiprocessing
 import pytest
 
 from leakref import LeakrefError
-from leakref.track import history
 from leakref.golden.digests import digest
+from leakref.track import history
 
 
 def fields(label, target="mine", **more):

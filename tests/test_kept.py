@@ -101,8 +101,9 @@ def test_golden_entries_in_work_are_of_their_id(tmp_path):
     for name in ("a", "b", "a"):
         assert entries._resumed(name, tmp_path, lambda name=name: make(name)) == {"id": name, "value": [1.5, None]}
     assert made == ["a", "b"]
-    a, b = (tmp_path / "entries" / f"{kept.key({'id': name, 'source': entries._source_digest()})}.json"
-            for name in "ab")
+    a, b = (
+        tmp_path / "entries" / f"{kept.key({'id': name, 'source': entries._source_digest()})}.json" for name in "ab"
+    )
     shutil.copy(b, a)
     assert entries._resumed("a", tmp_path, lambda: make("a"))["id"] == "a"
     edited(b, lambda content: content["record"].update(value=[1.5, 2.0]))

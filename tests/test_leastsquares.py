@@ -8,8 +8,17 @@ import pytest
 from conftest import RECTANGULAR
 from scipy.optimize import minimize
 
-from leakref import (Components, Grid, LeakrefError, Note, aligned_waves, fourier, leakage, leastsquares,
-                     shell_wavenumbers)
+from leakref import (
+    Components,
+    Grid,
+    LeakrefError,
+    Note,
+    aligned_waves,
+    fourier,
+    leakage,
+    leastsquares,
+    shell_wavenumbers,
+)
 from leakref.leastsquares import THRESHOLD, optimum
 from leakref.shell import shell_at
 
@@ -47,8 +56,12 @@ def test_gradient_vanishes_and_the_hessian_is_that_of_the_cost(tapered):
         moved = np.array([oracles.differences(cost, found.velocities[n] + 0.1 * unit, 0.1) for unit in np.eye(2)]) / 0.1
         np.testing.assert_allclose(found.hessian[n], moved, rtol=0, atol=1e-11 * scale)
         assert np.linalg.eigvalsh(found.hessian[n])[0] > 0
-        fit = minimize(lambda c, cost=cost: cost(*c), [0.0, 0.0], method="Nelder-Mead",
-                       options={"xatol": 1e-9, "fatol": 0, "maxiter": 400})
+        fit = minimize(
+            lambda c, cost=cost: cost(*c),
+            [0.0, 0.0],
+            method="Nelder-Mead",
+            options={"xatol": 1e-9, "fatol": 0, "maxiter": 400},
+        )
         # a minimum is only seen to the square root of the rounding of the cost (decision D8)
         blur = np.sqrt(1e-14 * cost(*found.velocities[n]) / np.linalg.eigvalsh(found.hessian[n])[0])
         assert np.abs(fit.x - found.velocities[n]).max() < 1e-8 + 10 * blur
@@ -58,15 +71,28 @@ def test_threshold_is_of_the_shells_own_largest_power_and_inclusive():
     # a strong wave in another shell must not matter (decision D7)
     kx, ky, domega = GRID.bin_widths
     near, _ = aligned_waves(GRID, [(3, 1, 12), (-1, 3, 11)])
-    strong = Components(*(np.append(getattr(near, n), v) for n, v in
-                          (("kx", 8 * kx), ("ky", 0.0), ("omega", 20 * domega), ("amplitude", 50.0), ("phase", 0.0))))
+    strong = Components(
+        *(
+            np.append(getattr(near, n), v)
+            for n, v in (("kx", 8 * kx), ("ky", 0.0), ("omega", 20 * domega), ("amplitude", 50.0), ("phase", 0.0))
+        )
+    )
     one, other = (leastsquares.extract(leakage.spectrum(c, GRID, "box"), 1.2).velocities for c in (near, strong))
     assert np.abs(one - other).max() < 1e-12
     # a third wave that does not share the current counts as soon as its power is a fifth
     for power, counts in ((0.19, False), (0.21, True)):
-        third = Components(*(np.append(getattr(near, n), v) for n, v in
-                             (("kx", 3 * kx), ("ky", -ky), ("omega", 14 * domega), ("amplitude", np.sqrt(power)),
-                              ("phase", 0.0))))
+        third = Components(
+            *(
+                np.append(getattr(near, n), v)
+                for n, v in (
+                    ("kx", 3 * kx),
+                    ("ky", -ky),
+                    ("omega", 14 * domega),
+                    ("amplitude", np.sqrt(power)),
+                    ("phase", 0.0),
+                )
+            )
+        )
         velocity = leastsquares.extract(leakage.spectrum(third, GRID, "box"), 1.2).velocities
         assert (np.abs(velocity - one).max() > 1e-3) == counts
 
@@ -104,10 +130,17 @@ def test_optimum_takes_the_threshold_of_the_paper_by_default(tapered):
     assert THRESHOLD == 0.2
 
 
-@pytest.mark.parametrize(("settings", "fault"), [
-    ({"threshold": 0}, "threshold = 0"), ({"threshold": -0.2}, "threshold = -0.2"),
-    ({"threshold": 1.1}, "threshold = 1.1"), ({"threshold": np.nan}, "threshold = nan"),
-    ({"gravity": -1}, "gravity = -1"), ({"half_width": 0}, "half_width = 0")])
+@pytest.mark.parametrize(
+    ("settings", "fault"),
+    [
+        ({"threshold": 0}, "threshold = 0"),
+        ({"threshold": -0.2}, "threshold = -0.2"),
+        ({"threshold": 1.1}, "threshold = 1.1"),
+        ({"threshold": np.nan}, "threshold = nan"),
+        ({"gravity": -1}, "gravity = -1"),
+        ({"half_width": 0}, "half_width = 0"),
+    ],
+)
 def test_bad_settings_are_refused(tapered, settings, fault):
     with pytest.raises(LeakrefError) as caught:
         leastsquares.extract(tapered, 1.0, **settings)

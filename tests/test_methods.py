@@ -65,7 +65,7 @@ def test_ensembles_and_their_stored_parts_too(registered, tmp_path):
     c = replace(CASES["L-T"][0], length=5.0, duration=10.0)
     assert is_fixed(ensemble.realize(c, 0, methods=("fixed",))["box", "fixed"].velocities)
     for _ in range(2):  # the second time from the folder
-        e, = runs.run([c], realizations=2, methods=("fixed",), folder=tmp_path)
+        (e,) = runs.run([c], realizations=2, methods=("fixed",), folder=tmp_path)
         for one in e:
             assert (one.method, is_fixed(one.velocities[0])) == ("fixed", True)
 
@@ -93,19 +93,27 @@ def test_certify_holds_it_to_its_own_reference(registered):
 
 def test_golden_values_figures_and_plans_name_it_as_itself(registered):
     assert "ensemble-nsp-ls/hann-fixed" in ids.ids("ensembles")
-    e, = runs.run([replace(CASES["L-T"][0], windows=("hann",))], realizations=2, methods=("fixed",))
+    (e,) = runs.run([replace(CASES["L-T"][0], windows=("hann",))], realizations=2, methods=("fixed",))
     drawing = figures.result_figure(list(e), "")
-    assert "Fixed" in {text.get_text() for legend in drawing.legends or [ax.get_legend() for ax in drawing.axes]
-                       if legend for text in legend.get_texts()}
+    assert "Fixed" in {
+        text.get_text()
+        for legend in drawing.legends or [ax.get_legend() for ax in drawing.axes]
+        if legend
+        for text in legend.get_texts()
+    }
     assert "NSP" not in str([text.get_text() for ax in drawing.axes for text in ax.texts])
     assert "METHODS[method].title" in inspect.getsource(planning)
 
 
-@pytest.mark.parametrize("ask", [
-    lambda: analyse(leakage.spectrum(SEA, GRID, "hann"), K, method="polar"),
-    lambda: fast.realize(SEA, GRID, K, methods=("polar",)),
-    lambda: ensemble.realize(CASES["L-T"][0], 0, methods=("polar",)),
-    lambda: list(runs.run([CASES["L-T"][0]], realizations=1, methods=("polar",)))])
+@pytest.mark.parametrize(
+    "ask",
+    [
+        lambda: analyse(leakage.spectrum(SEA, GRID, "hann"), K, method="polar"),
+        lambda: fast.realize(SEA, GRID, K, methods=("polar",)),
+        lambda: ensemble.realize(CASES["L-T"][0], 0, methods=("polar",)),
+        lambda: list(runs.run([CASES["L-T"][0]], realizations=1, methods=("polar",))),
+    ],
+)
 def test_a_method_that_nobody_registered_is_refused(ask):
     with pytest.raises((LeakrefError, KeyError), match="polar"):
         ask()
@@ -121,9 +129,16 @@ def test_records_say_what_their_methods_take():
     assert METHODS["ls"].settings == {"threshold": leastsquares.THRESHOLD}
 
 
-@pytest.mark.parametrize("ask", [
-    lambda: oracle.window("welch", oracle.mpf(1) / 3), lambda: oracle.closed_lobe("welch", 0.3),
-    lambda: oracle.mean_square("welch"), lambda: oracle.kernel("welch", 1, 0.3, 8), lambda: oracle.lobe("welch", 0.3)])
+@pytest.mark.parametrize(
+    "ask",
+    [
+        lambda: oracle.window("welch", oracle.mpf(1) / 3),
+        lambda: oracle.closed_lobe("welch", 0.3),
+        lambda: oracle.mean_square("welch"),
+        lambda: oracle.kernel("welch", 1, 0.3, 8),
+        lambda: oracle.lobe("welch", 0.3),
+    ],
+)
 def test_the_oracle_refuses_a_window_that_it_does_not_know(ask):
     with pytest.raises(ValueError, match="no window named 'welch'"):
         ask()
@@ -166,8 +181,13 @@ def test_a_shell_knows_the_frequency_of_its_own_wavenumber():
 
 
 # who may write a law of dispersion: it itself, what was written a second time to hold it against, and planted mistakes
-WITNESSES = {"dispersion.py", "golden/oracle.py", "certify/strength/variants.py", "certify/strength/faults.py",
-             "certify/templates/python/adapter.py"}
+WITNESSES = {
+    "dispersion.py",
+    "golden/oracle.py",
+    "certify/strength/variants.py",
+    "certify/strength/faults.py",
+    "certify/templates/python/adapter.py",
+}
 HOUSE = Path(leakref.__file__).parent
 
 
@@ -184,18 +204,24 @@ def laws(text: str) -> list[str]:
         if under is not None:
             under = ast.Pass() if ast.unparse(under).startswith("DEEP.") else under
             squared = {id(n.left) for n in ast.walk(under) if isinstance(n, ast.BinOp) and isinstance(n.op, ast.Pow)}
-            names = {n.id.strip("_").lower() for n in ast.walk(under)
-                     if isinstance(n, ast.Name) and id(n) not in squared}
+            names = {
+                n.id.strip("_").lower() for n in ast.walk(under) if isinstance(n, ast.Name) and id(n) not in squared
+            }
             names |= {n.attr for n in ast.walk(under) if isinstance(n, ast.Attribute) and n.attr != "size"}
-            if any(n in ("k", "k0", "g", "k_i", "size", "scale", "radius") or "gravity" in n or "wavenumber" in n
-                   for n in names):
+            if any(
+                n in ("k", "k0", "g", "k_i", "size", "scale", "radius") or "gravity" in n or "wavenumber" in n
+                for n in names
+            ):
                 found.append(ast.unparse(node))
     return found
 
 
 def test_no_other_module_writes_a_law_of_dispersion():
-    written = {path.relative_to(HOUSE).as_posix(): found for path in sorted(HOUSE.rglob("*.py"))
-               if (found := laws(path.read_text(encoding="utf-8")))}
+    written = {
+        path.relative_to(HOUSE).as_posix(): found
+        for path in sorted(HOUSE.rglob("*.py"))
+        if (found := laws(path.read_text(encoding="utf-8")))
+    }
     assert written.keys() <= WITNESSES, {name: found for name, found in written.items() if name not in WITNESSES}
     assert len(written["dispersion.py"]) >= 3
     assert all(map(laws, ("w = np.sqrt(g * k)", "c = (self.gravity / wavenumber) ** 0.5", "e = k**-1.5")))

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from tools import requires
 
-from leakref.cubes import files
 from leakref.cases import Configuration
+from leakref.cubes import files
 from leakref.dispersion import Scales
 from leakref.golden.sets import Golden, locate
 
@@ -20,8 +20,13 @@ def octave():
     program = requires("octave-cli", "octave")
 
     def run(code, cwd):
-        done = subprocess.run([program, "--quiet", "--no-init-file", "--no-history", "--eval", code],
-                              capture_output=True, text=True, cwd=cwd, timeout=120)
+        done = subprocess.run(
+            [program, "--quiet", "--no-init-file", "--no-history", "--eval", code],
+            capture_output=True,
+            text=True,
+            cwd=cwd,
+            timeout=120,
+        )
         assert done.returncode == 0, done.stderr
         return done.stdout
 
@@ -32,7 +37,8 @@ def test_octave_reads_what_was_exported(octave, tmp_path):
     configuration = Configuration("small", length=1.5, duration=1.0, speed=0.1, current_direction=40.0)
     cube = files.of_configuration(configuration, 5, Scales(0.4, 9.81))
     files.write(tmp_path / "cube.mat", cube, "mat")
-    said = octave("""load cube.mat
+    said = octave(
+        """load cube.mat
         printf("%d ", size(eta), size(x), size(kx)); printf("\\n");
         printf("%.17g ", eta(3, 5, 7), eta(end, 1, 2), x(2), y(end), t(2), gravity, current, peak_wavenumber);
         printf("\\n%s\\n", units);
@@ -44,11 +50,21 @@ def test_octave_reads_what_was_exported(octave, tmp_path):
           end
           worst = max(worst, max(max(abs(again - eta(:, :, m)))));
         end
-        printf("%.17g\\n", worst);""", tmp_path).splitlines()
+        printf("%.17g\\n", worst);""",
+        tmp_path,
+    ).splitlines()
     nx, ny, nt = cube.grid.shape
     assert said[0].split() == [str(n) for n in (nx, ny, nt, 1, nx, 1, cube.components.kx.size)]
-    values = [cube.surface[2, 4, 6], cube.surface[-1, 0, 1], cube.grid.spacing[0], cube.grid.samples(1)[-1],
-              cube.grid.spacing[2], 9.81, *cube.current, 0.4]
+    values = [
+        cube.surface[2, 4, 6],
+        cube.surface[-1, 0, 1],
+        cube.grid.spacing[0],
+        cube.grid.samples(1)[-1],
+        cube.grid.spacing[2],
+        9.81,
+        *cube.current,
+        0.4,
+    ]
     assert [float(word) for word in said[1].split()] == values
     assert said[2] == "si"
     # each wave is off by the rounding of its phase, at most 100 rad: 100 eps times its amplitude
@@ -58,9 +74,12 @@ def test_octave_reads_what_was_exported(octave, tmp_path):
 @pytest.mark.parametrize("option", ["-v6", "-v7"])
 @pytest.mark.parametrize("kind", ["double", "single", "uint8", "int16"])
 def test_what_octave_saves_is_read(octave, tmp_path, option, kind):
-    octave(f"""eta = {kind}(reshape(0:209, 5, 6, 7)); x = (0:4) * 0.3; y = (0:5)' * 0.7; t = (0:6) * 0.11;
+    octave(
+        f"""eta = {kind}(reshape(0:209, 5, 6, 7)); x = (0:4) * 0.3; y = (0:5)' * 0.7; t = (0:6) * 0.11;
         gravity = 9.81; units = "si"; other = {{1, "a"}};
-        save("{option}", "cube.mat", "eta", "x", "y", "t", "gravity", "units", "other");""", tmp_path)
+        save("{option}", "cube.mat", "eta", "x", "y", "t", "gravity", "units", "other");""",
+        tmp_path,
+    )
     cube = files.read(tmp_path / "cube.mat")
     assert np.array_equal(cube.surface, np.arange(210.0).reshape((5, 6, 7), order="F"))
     assert cube.grid.spacing == (0.3, 0.7, 0.11)

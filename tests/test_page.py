@@ -70,10 +70,25 @@ def chromium(tmp_path_factory):
     program = requires("chromium")
 
     def run(path, *arguments):
-        done = subprocess.run([program, "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run",
-                               "--disable-background-networking", "--disable-dev-shm-usage", "--hide-scrollbars",
-                               f"--user-data-dir={tmp_path_factory.mktemp('user')}", "--enable-logging=stderr",
-                               *arguments, path.as_uri()], capture_output=True, text=True, timeout=120)
+        done = subprocess.run(
+            [
+                program,
+                "--headless",
+                "--no-sandbox",
+                "--disable-gpu",
+                "--no-first-run",
+                "--disable-background-networking",
+                "--disable-dev-shm-usage",
+                "--hide-scrollbars",
+                f"--user-data-dir={tmp_path_factory.mktemp('user')}",
+                "--enable-logging=stderr",
+                *arguments,
+                path.as_uri(),
+            ],
+            capture_output=True,
+            text=True,
+            timeout=120,
+        )
         assert done.returncode == 0, done.stderr
         return done.stdout, [line for line in done.stderr.splitlines() if "CONSOLE" in line]
 
@@ -83,8 +98,11 @@ def chromium(tmp_path_factory):
 def look(chromium, path, text, width):
     """What is seen of a page in a frame of some width, and what it said on the console."""
     watched = escape(text.replace("<head>", "<head>" + LOOK, 1))  # windows are never narrower than 500 pixels
-    path.write_text(f'<!doctype html><meta charset="utf-8"><iframe width="{width}" height="900" style="border: 0" '
-                    f'srcdoc="{watched}"></iframe>', encoding="utf-8")
+    path.write_text(
+        f'<!doctype html><meta charset="utf-8"><iframe width="{width}" height="900" style="border: 0" '
+        f'srcdoc="{watched}"></iframe>',
+        encoding="utf-8",
+    )
     dom, console = chromium(path, "--dump-dom", "--window-size=1400,950", "--virtual-time-budget=5000")
     return json.loads(unescape(re.findall(r'<pre id="seen">(.*?)</pre>', dom, re.DOTALL)[-1])), console
 
@@ -95,8 +113,10 @@ def large():
     found, picture = certificate(), BytesIO()
     imsave(picture, np.eye(60, 1024), format="png")
     findings = (list(found.findings) * 40)[:300]
-    return page(replace(found, findings=findings),
-                [{"title": HOSTILE, "words": HOSTILE, "data": b64encode(picture.getvalue()).decode()}])
+    return page(
+        replace(found, findings=findings),
+        [{"title": HOSTILE, "words": HOSTILE, "data": b64encode(picture.getvalue()).decode()}],
+    )
 
 
 @pytest.mark.parametrize("width", WIDTHS)
@@ -112,10 +132,14 @@ def test_nothing_overlaps_or_sticks_out_and_nothing_hostile_runs(chromium, large
     assert seen["open"]["boxes"] > seen["closed"]["boxes"] + 3000
 
 
-@pytest.mark.parametrize(("planted", "part", "what"), [
-    ('<p style="position: absolute; top: 40px">planted</p>', "overlaps", "planted"),
-    ('<p style="white-space: nowrap">' + "planted " * 200 + "</p>", "outside", "planted"),
-    ('<svg width="50" height="20"><text x="30" y="15">planted</text></svg>', "outside", "planted")])
+@pytest.mark.parametrize(
+    ("planted", "part", "what"),
+    [
+        ('<p style="position: absolute; top: 40px">planted</p>', "overlaps", "planted"),
+        ('<p style="white-space: nowrap">' + "planted " * 200 + "</p>", "outside", "planted"),
+        ('<svg width="50" height="20"><text x="30" y="15">planted</text></svg>', "outside", "planted"),
+    ],
+)
 def test_the_look_out_sees_what_it_is_there_for(chromium, tmp_path, planted, part, what):
     text = page(certificate()).replace("</h1>", "</h1>" + planted, 1)
     seen, _ = look(chromium, tmp_path / "planted.html", text, 390)

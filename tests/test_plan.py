@@ -29,25 +29,60 @@ PERIOD, C0 = 2 * np.pi * SCALES.time, SCALES.velocity
 def campaign_of(configuration):
     """A paper's configuration in metres and seconds."""
     c = configuration
-    return Campaign((c.length * WAVELENGTH,) * 2, c.duration * PERIOD, WAVELENGTH, c.direction, c.spread, c.peakedness,
-                    c.speed * C0, c.current_direction)
+    return Campaign(
+        (c.length * WAVELENGTH,) * 2,
+        c.duration * PERIOD,
+        WAVELENGTH,
+        c.direction,
+        c.spread,
+        c.peakedness,
+        c.speed * C0,
+        c.current_direction,
+    )
 
 
-@pytest.mark.parametrize(("text", "unit", "value"), [
-    ("128m", "m", 128), ("0.128 km", "m", 128), ("1e2m", "m", 100), (".5 m", "m", 0.5), ("-3m", "m", -3),
-    ("2 min", "s", 120), ("45deg", "deg", 45), ("45°", "deg", 45), ("0.25 turn", "deg", 90), ("3.6 km/h", "m/s", 1),
-    ("0.3 m s^-1", "m/s", 0.3), ("1knot", "m/s", 1852 / 3600), ("2Hz", "Hz", 2), ("25/s", "Hz", 25)])
+@pytest.mark.parametrize(
+    ("text", "unit", "value"),
+    [
+        ("128m", "m", 128),
+        ("0.128 km", "m", 128),
+        ("1e2m", "m", 100),
+        (".5 m", "m", 0.5),
+        ("-3m", "m", -3),
+        ("2 min", "s", 120),
+        ("45deg", "deg", 45),
+        ("45°", "deg", 45),
+        ("0.25 turn", "deg", 90),
+        ("3.6 km/h", "m/s", 1),
+        ("0.3 m s^-1", "m/s", 0.3),
+        ("1knot", "m/s", 1852 / 3600),
+        ("2Hz", "Hz", 2),
+        ("25/s", "Hz", 25),
+    ],
+)
 def test_quantities_are_taken_in_any_unit_of_their_kind(text, unit, value):
     assert quantity("plan", "--x", text, unit) == pytest.approx(value, rel=1e-12)
 
 
-@pytest.mark.parametrize(("text", "unit", "said"), [
-    ("128", "m", "has no unit"), ("30", "s", "has no unit"), ("45", "deg", "has no unit"),
-    ("128s", "m", "cannot be had in m"),
-    ("3 m/m", "deg", "cannot be had"), ("3 Hz", "deg", "cannot be had"), ("5 fps", "Hz", "foot_per_second"),
-    ("3 blah", "m", "no unit 'blah'"), ("m", "m", "not a number"), ("nan m", "m", "not a number"),
-    ("", "m", "not a number"), ("9**9**9**9m", "m", "no unit"), ("1e999m", "m", "not finite"),
-    ("3 °C", "m", "cannot be")])
+@pytest.mark.parametrize(
+    ("text", "unit", "said"),
+    [
+        ("128", "m", "has no unit"),
+        ("30", "s", "has no unit"),
+        ("45", "deg", "has no unit"),
+        ("128s", "m", "cannot be had in m"),
+        ("3 m/m", "deg", "cannot be had"),
+        ("3 Hz", "deg", "cannot be had"),
+        ("5 fps", "Hz", "foot_per_second"),
+        ("3 blah", "m", "no unit 'blah'"),
+        ("m", "m", "not a number"),
+        ("nan m", "m", "not a number"),
+        ("", "m", "not a number"),
+        ("9**9**9**9m", "m", "no unit"),
+        ("1e999m", "m", "not finite"),
+        ("3 °C", "m", "cannot be"),
+    ],
+)
 def test_what_is_no_such_quantity_is_refused_with_an_example(text, unit, said):
     with pytest.raises(LeakrefError, match=r"write it as in --x \d|that is") as refusal:
         quantity("plan", "--x", text, unit)
@@ -104,9 +139,14 @@ def test_a_paper_case_agrees_with_its_golden_ensemble_within_the_standard_errors
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("case", "realizations"), [
-    ("nsp-ls", 30), ("theta0-dtheta/direction=60,spread=15", 30),
-    ("U/rotation=0,current=0.15,current_direction=0", 30)])
+@pytest.mark.parametrize(
+    ("case", "realizations"),
+    [
+        ("nsp-ls", 30),
+        ("theta0-dtheta/direction=60,spread=15", 30),
+        ("U/rotation=0,current=0.15,current_direction=0", 30),
+    ],
+)
 def test_more_paper_cases_agree_within_the_standard_errors(case, realizations):
     against_golden(case, realizations, 4)
 
@@ -117,8 +157,17 @@ def test_all_realizations_of_a_paper_case_are_its_golden_ensemble():
 
 
 def test_an_oblong_area_and_coarse_sampling_go_through_the_plain_chain_alike():
-    flight = Campaign((4.2 * WAVELENGTH, 5.1 * WAVELENGTH), 9 * PERIOD, WAVELENGTH, direction=40, spread=110, speed=0.4,
-                      current_direction=-20, pixel=WAVELENGTH / 5.5, frame_rate=5.3 / PERIOD).flight
+    flight = Campaign(
+        (4.2 * WAVELENGTH, 5.1 * WAVELENGTH),
+        9 * PERIOD,
+        WAVELENGTH,
+        direction=40,
+        spread=110,
+        speed=0.4,
+        current_direction=-20,
+        pixel=WAVELENGTH / 5.5,
+        frame_rate=5.3 / PERIOD,
+    ).flight
     assert flight.grid.shape == (23, 28, 48)
     np.testing.assert_allclose(flight.grid.lengths, 2 * np.pi * np.array([4.2, 5.1, 9]), rtol=1e-12)
     assert flight.wavenumbers.max() + 2 * flight.grid.wavenumber_resolution < min(flight.grid.nyquist[:2])
@@ -141,8 +190,11 @@ def test_twice_the_area_keeps_proportions_and_is_as_much_data_as_twice_the_durat
     larger, longer = campaign.enlarged(area=2), campaign.enlarged(duration=2)
     assert np.prod(larger.field_of_view) == pytest.approx(2 * 128 * 96)
     assert larger.field_of_view[0] / larger.field_of_view[1] == pytest.approx(128 / 96)
-    assert plan.work(larger.flight) == pytest.approx(plan.work(longer.flight)) == pytest.approx(
-        2 * plan.work(campaign.flight))
+    assert (
+        plan.work(larger.flight)
+        == pytest.approx(plan.work(longer.flight))
+        == pytest.approx(2 * plan.work(campaign.flight))
+    )
 
 
 def test_the_default_number_of_flights_falls_with_size_and_not_below_eight():
@@ -166,8 +218,14 @@ FLIGHT = Flight("plan", length=8.0, duration=10.0, speed=0.1, current_direction=
 
 def made(scale, window="hann", method="nsp", flight=FLIGHT, jitter=0.1, count=12):
     """An ensemble whose errors are about `scale` times the smaller resolution at every wavenumber."""
-    blank = Ensemble(flight, window, method, flight.wavenumbers, np.zeros((count, flight.wavenumbers.size, 2)),
-                     np.zeros((count, flight.wavenumbers.size), dtype=np.int64))
+    blank = Ensemble(
+        flight,
+        window,
+        method,
+        flight.wavenumbers,
+        np.zeros((count, flight.wavenumbers.size, 2)),
+        np.zeros((count, flight.wavenumbers.size), dtype=np.int64),
+    )
     rng = np.random.default_rng(3)
     length = np.minimum(*blank.resolutions) * scale * (1 + jitter * rng.standard_normal(blank.velocities.shape[:2]))
     angle = rng.uniform(0, 2 * np.pi, length.shape)
@@ -179,8 +237,12 @@ CAMPAIGN = Campaign((8 * 15.0, 8 * 15.0), 31.0, 15.0, speed=0.5, current_directi
 
 
 def said(hann=0.3, box=0.9, ls=0.6, larger=0.2, longer=0.28, campaign=CAMPAIGN):
-    ways = {("box", "nsp"): made(box, "box"), ("hann", "nsp"): made(hann), ("box", "ls"): made(box, "box", "ls"),
-            ("hann", "ls"): made(ls, "hann", "ls")}
+    ways = {
+        ("box", "nsp"): made(box, "box"),
+        ("hann", "nsp"): made(hann),
+        ("box", "ls"): made(box, "box", "ls"),
+        ("hann", "ls"): made(ls, "hann", "ls"),
+    }
     return advice(Plan(campaign, ways, made(larger), made(longer)))
 
 
@@ -190,8 +252,9 @@ def test_advice_follows_the_numbers():
     assert words[1].startswith("Extract by NSP: least squares, the bias is 2 ±")
     assert words[2].startswith("Trust wavelengths of 30 to 4.29 m: ")
     assert words[3].startswith("Within 20 % of the current")
-    assert words[4].startswith("A larger area before a longer video: twice the area changes the bias at wavelengths up "
-                               "to the peak's by -33 ±")
+    assert words[4].startswith(
+        "A larger area before a longer video: twice the area changes the bias at wavelengths up to the peak's by -33 ±"
+    )
 
 
 def test_advice_says_where_the_paper_s_rules_fail():
@@ -238,19 +301,33 @@ def test_a_sweep_is_read():
     assert parse_sweep("gamma=1:7:3") == ("gamma", [1.0, 4.0, 7.0])
 
 
-@pytest.mark.parametrize(("words", "message"), [
-    (("--field-of-view", "75"), "--field-of-view 75 has no unit"), (("--duration", "31m"), "cannot be had in s"),
-    (("--field-of-view", "-75m"), "not positive"), (("--spread", "0deg"), "spread = 0.0 is not positive"),
-    (("--spread", "400deg"), "at most 360deg"), (("--gamma", "3.3m"), "--gamma 3.3m is not a number"),
-    (("--field-of-view", "30m"), "2 peak wavelengths across; take at least 3"),
-    (("--field-of-view", "75m x 30m"), "2 peak wavelengths across"), (("--duration", "5s"), "periods of 3.1 s long"),
-    (("--field-of-view", "75mx75mx75m"), "has 3 sides"), (("--field-of-view", "20km"), "plan for less of it"),
-    (("--current", "-0.3m/s"), "current's direction"), (("--current", "300 m/s"), "waves of 15 m travel at 4.84 m/s"),
-    (("--pixel", "8m"), "pixels of 8.0 m do not resolve"), (("--frame-rate", "0.5Hz"), "do not resolve the peak"),
-    (("--pixel", "0m"), "pixel = 0.0 is not positive"), (("--sweep", "spread"), "is not NAME=FIRST:LAST:HOW-MANY"),
-    (("--sweep", "colour=1:2:3"), "names are field-of-view"), (("--sweep", "spread=15deg:90deg:1"), "asks for '1'"),
-    (("--sweep", "spread=15:90:4"), "--spread 15 has no unit"), (("--sweep", "spread=-10deg:90deg:3"), "not positive"),
-    (("--realizations", "1"), "--realizations")])
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--field-of-view", "75"), "--field-of-view 75 has no unit"),
+        (("--duration", "31m"), "cannot be had in s"),
+        (("--field-of-view", "-75m"), "not positive"),
+        (("--spread", "0deg"), "spread = 0.0 is not positive"),
+        (("--spread", "400deg"), "at most 360deg"),
+        (("--gamma", "3.3m"), "--gamma 3.3m is not a number"),
+        (("--field-of-view", "30m"), "2 peak wavelengths across; take at least 3"),
+        (("--field-of-view", "75m x 30m"), "2 peak wavelengths across"),
+        (("--duration", "5s"), "periods of 3.1 s long"),
+        (("--field-of-view", "75mx75mx75m"), "has 3 sides"),
+        (("--field-of-view", "20km"), "plan for less of it"),
+        (("--current", "-0.3m/s"), "current's direction"),
+        (("--current", "300 m/s"), "waves of 15 m travel at 4.84 m/s"),
+        (("--pixel", "8m"), "pixels of 8.0 m do not resolve"),
+        (("--frame-rate", "0.5Hz"), "do not resolve the peak"),
+        (("--pixel", "0m"), "pixel = 0.0 is not positive"),
+        (("--sweep", "spread"), "is not NAME=FIRST:LAST:HOW-MANY"),
+        (("--sweep", "colour=1:2:3"), "names are field-of-view"),
+        (("--sweep", "spread=15deg:90deg:1"), "asks for '1'"),
+        (("--sweep", "spread=15:90:4"), "--spread 15 has no unit"),
+        (("--sweep", "spread=-10deg:90deg:3"), "not positive"),
+        (("--realizations", "1"), "--realizations"),
+    ],
+)
 def test_wrong_use_names_fault_and_remedy(words, message, tmp_path):
     done = CliRunner().invoke(app, ["plan", *GIVEN, *words, "--out", str(tmp_path / "out")])
     assert done.exit_code == 2
@@ -262,8 +339,23 @@ def test_wrong_use_names_fault_and_remedy(words, message, tmp_path):
 @pytest.fixture(scope="module")
 def planned(tmp_path_factory):
     out = tmp_path_factory.mktemp("plan")
-    done = CliRunner().invoke(app, ["plan", *GIVEN, "--current", "0.3m/s", "--realizations", "2", "--sweep",
-                                    "gamma=1:7:2", "--out", str(out), "--json"], catch_exceptions=False)
+    done = CliRunner().invoke(
+        app,
+        [
+            "plan",
+            *GIVEN,
+            "--current",
+            "0.3m/s",
+            "--realizations",
+            "2",
+            "--sweep",
+            "gamma=1:7:2",
+            "--out",
+            str(out),
+            "--json",
+        ],
+        catch_exceptions=False,
+    )
     assert done.exit_code == 0, done.stderr
     return out, json.loads(done.stdout)
 
@@ -274,12 +366,23 @@ def test_json_has_the_recommended_way_on_top_and_all_of_them_below(planned):
     assert found["ok"] is True
     n = len(found["wavelengths"])
     assert n == 16
-    for name in ("bias", "random", "standard_error", "resolution_frequency", "resolution_wavenumber", "mean_error",
-                 "speed"):
+    for name in (
+        "bias",
+        "random",
+        "standard_error",
+        "resolution_frequency",
+        "resolution_wavenumber",
+        "mean_error",
+        "speed",
+    ):
         assert len(found[name]) == n
         assert np.isfinite(found[name]).all()
-    assert [(way["window"], way["method"]) for way in found["ways"]] == [("box", "nsp"), ("box", "ls"), ("hann", "nsp"),
-                                                                         ("hann", "ls")]
+    assert [(way["window"], way["method"]) for way in found["ways"]] == [
+        ("box", "nsp"),
+        ("box", "ls"),
+        ("hann", "nsp"),
+        ("hann", "ls"),
+    ]
     assert found["bias"] == found["ways"][2]["bias"]
     assert found["true_current"] == pytest.approx([0, 0.3])
     assert found["campaign"]["current_direction"] == 90  # with the waves, as nothing else was said
@@ -299,16 +402,39 @@ def test_tables_say_what_the_json_says(planned):
         rows = list(csv.DictReader(stream))
     assert [value["value"] for value in found["sweep"]["values"]] == [1, 7]
     last = found["sweep"]["values"][1]["ways"][2]
-    assert [float(row["bias"]) for row in rows if (row["gamma"], row["window"], row["method"]) == ("7.0", "hann", "nsp")
-            ] == last["bias"]
-    assert {path.name for path in out.iterdir()} == {"plan.json", "plan.csv", "plan_sweep.csv", "plan.png", "plan.svg",
-                                                     "plan_sweep.png", "plan_sweep.svg"}
+    assert [
+        float(row["bias"]) for row in rows if (row["gamma"], row["window"], row["method"]) == ("7.0", "hann", "nsp")
+    ] == last["bias"]
+    assert {path.name for path in out.iterdir()} == {
+        "plan.json",
+        "plan.csv",
+        "plan_sweep.csv",
+        "plan.png",
+        "plan.svg",
+        "plan_sweep.png",
+        "plan_sweep.svg",
+    }
 
 
 def test_the_table_shows_every_wavelength_whole(tmp_path, monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
-    done = CliRunner().invoke(app, ["plan", *GIVEN[:1], "48m", "--duration", "10s", "--peak-wavelength", "15m",
-                                    "--realizations", "2", "--out", str(tmp_path)], catch_exceptions=False)
+    done = CliRunner().invoke(
+        app,
+        [
+            "plan",
+            *GIVEN[:1],
+            "48m",
+            "--duration",
+            "10s",
+            "--peak-wavelength",
+            "15m",
+            "--realizations",
+            "2",
+            "--out",
+            str(tmp_path),
+        ],
+        catch_exceptions=False,
+    )
     assert done.exit_code == 0
     lines = [line for line in done.stdout.splitlines() if line.count("±") == 4]
     assert len(lines) == 10

@@ -87,16 +87,22 @@ def test_a_plain_run_with_an_implementation_collects_properties_and_checks(proje
 PAIR = "test_a_pair or aligned and to-22"  # one property and one check
 
 
-@pytest.mark.parametrize(("name", "outcomes", "status"), [
-    ("extract", {"passed": 2, "failed": 0}, 0), ("negated", {"passed": 0, "failed": 2}, 1)])
+@pytest.mark.parametrize(
+    ("name", "outcomes", "status"),
+    [("extract", {"passed": 2, "failed": 0}, 0), ("negated", {"passed": 0, "failed": 2}, 1)],
+)
 def test_right_code_passes_and_wrong_code_fails(project, name, outcomes, status):
     result = session(project, "--leakref-implementation", f"mycode:{name}", "-k", PAIR)
     deselected = result.parseoutcomes()["deselected"]
     result.assert_outcomes(**outcomes, deselected=deselected)
     assert result.ret == status
     if status:
-        for line in ("*but should be*", "*fail signs.aligned?to-22.5? (* times the tolerance)*", "*comes back negated*",
-                     "*leakref certify TARGET --only*"):
+        for line in (
+            "*but should be*",
+            "*fail signs.aligned?to-22.5? (* times the tolerance)*",
+            "*comes back negated*",
+            "*leakref certify TARGET --only*",
+        ):
             result.stdout.fnmatch_lines([line])
 
 
@@ -114,14 +120,18 @@ def test_a_command_is_judged(project):
     assert result.ret == 1
 
 
-@pytest.mark.parametrize(("arguments", "words"), [
-    (["--leakref-implementation", "nosuch:thing"], "there is no module 'nosuch'"),
-    (["--leakref-implementation", "broken:extract"], "ZeroDivisionError"),
-    (["--leakref-implementation", ""], "not an empty one"),
-    (["--leakref-command", " "], "not an empty one"),
-    (["--leakref-command", "nosuchprogram"], "nosuchprogram"),
-    (["--leakref-command", f"{sys.executable} -c 'print(1)'"], "cannot be judged"),
-    (["--leakref-implementation", "mycode:extract", "--leakref-command", "true"], "not both")])
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--leakref-implementation", "nosuch:thing"], "there is no module 'nosuch'"),
+        (["--leakref-implementation", "broken:extract"], "ZeroDivisionError"),
+        (["--leakref-implementation", ""], "not an empty one"),
+        (["--leakref-command", " "], "not an empty one"),
+        (["--leakref-command", "nosuchprogram"], "nosuchprogram"),
+        (["--leakref-command", f"{sys.executable} -c 'print(1)'"], "cannot be judged"),
+        (["--leakref-implementation", "mycode:extract", "--leakref-command", "true"], "not both"),
+    ],
+)
 def test_what_cannot_be_opened_is_one_clear_line(project, arguments, words):
     project.makepyfile(broken="1 / 0")
     result = session(project, *arguments)
@@ -153,8 +163,13 @@ def own(project, *decorated):
 
 def test_a_decorated_test_is_one_for_each_check(project):
     """Right: 4; wrong, one of them known: 3 and 1; right, one still listed as known: 3 and 1; all there are: 8."""
-    result = own(project, ("extract", "", "right"), ("negated", "known=KNOWN", "wrong"),
-                 ("extract", "known=KNOWN", "stale"), ("extract", 'profile="full"', "full"))
+    result = own(
+        project,
+        ("extract", "", "right"),
+        ("negated", "known=KNOWN", "wrong"),
+        ("extract", "known=KNOWN", "stale"),
+        ("extract", 'profile="full"', "full"),
+    )
     result.assert_outcomes(passed=4 + 3 + 8, failed=3 + 1, xfailed=1)
     result.stdout.fnmatch_lines(["*XPASS(strict)* the sign (#3)*"])
     assert result.ret == 1
@@ -167,11 +182,16 @@ def test_a_decorated_test_of_which_all_is_skipped_fails(project):
     assert result.ret == 1
 
 
-@pytest.mark.parametrize(("given", "words"), [
-    ({"known": {"signs.nosuch[a]": {"reason": "a", "issue": "b"}}}, "is none of the"),
-    ({"known": {"signs.aligned[to-22.5]": {"reason": "a"}}}, "give it a reason and an issue"),
-    ({"known": {"signs.aligned[to-22.5]": {"reason": "a", "issue": " "}}}, "give it a reason and an issue"),
-    ({"profile": "quik"}, "choose quick or full"), ({"only": ["nosuch"]}, "no check is called 'nosuch'")])
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"known": {"signs.nosuch[a]": {"reason": "a", "issue": "b"}}}, "is none of the"),
+        ({"known": {"signs.aligned[to-22.5]": {"reason": "a"}}}, "give it a reason and an issue"),
+        ({"known": {"signs.aligned[to-22.5]": {"reason": "a", "issue": " "}}}, "give it a reason and an issue"),
+        ({"profile": "quik"}, "choose quick or full"),
+        ({"only": ["nosuch"]}, "no check is called 'nosuch'"),
+    ],
+)
 def test_a_decorator_that_makes_no_sense_is_refused(given, words):
     with pytest.raises(LeakrefError, match=words):
         parametrize_with_checks("reference", **given)
@@ -186,9 +206,15 @@ def test_known_failures_may_stand_in_a_file(tmp_path):
 
 
 def test_full_means_more_examples():
-    code = ("from leakref.properties.strategies import examples\n"
-            "print(examples(10).max_examples, examples(10).derandomize)")
+    code = (
+        "from leakref.properties.strategies import examples\nprint(examples(10).max_examples, examples(10).derandomize)"
+    )
     for profile, expected in (("ci", "10 True"), ("thorough", "200 False")):
-        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True,
-                              env={**os.environ, "LEAKREF_PROPERTIES": profile})
+        done = subprocess.run(
+            [sys.executable, "-c", code],
+            capture_output=True,
+            text=True,
+            check=True,
+            env={**os.environ, "LEAKREF_PROPERTIES": profile},
+        )
         assert done.stdout.strip() == expected

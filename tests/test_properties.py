@@ -45,11 +45,13 @@ MEANT = {
 }
 """Which faults each property is there for, the cheapest first."""
 
-SAMPLE = {"y-downwards": "symmetry.quarter_turns_mirror_images_and_exchanged_axes",
-          "symmetric-hann": "windows.samples_have_the_lobes_of_the_window",
-          "eight-bits": "recovery.a_pair_of_waves_on_bins_gives_the_current",
-          "single-precision": "symmetry.amplitude_does_not_matter",
-          "powell": "recovery.a_wave_on_a_bin_gives_the_component_along_it"}
+SAMPLE = {
+    "y-downwards": "symmetry.quarter_turns_mirror_images_and_exchanged_axes",
+    "symmetric-hann": "windows.samples_have_the_lobes_of_the_window",
+    "eight-bits": "recovery.a_pair_of_waves_on_bins_gives_the_current",
+    "single-precision": "symmetry.amplitude_does_not_matter",
+    "powell": "recovery.a_wave_on_a_bin_gives_the_component_along_it",
+}
 """What each of some variants came near to failing."""
 EXACT = [name for name in properties() if not name.startswith("ensemble.")]
 
@@ -59,8 +61,9 @@ def test_every_property_is_meant_for_a_fault_that_exists():
     assert {fault for faults in MEANT.values() for fault in faults} <= set(FAULTS)
 
 
-@pytest.mark.parametrize("name", [name if name in EXACT else pytest.param(name, marks=pytest.mark.slow)
-                                  for name in MEANT])
+@pytest.mark.parametrize(
+    "name", [name if name in EXACT else pytest.param(name, marks=pytest.mark.slow) for name in MEANT]
+)
 def test_a_property_fails_on_a_fault_that_is_meant_for_it(name, monkeypatch):
     fault, methods = MEANT[name][0], Examined.methods
     if FAULTS[fault].stage == "ls":  # the one that is wrong first: it is enough

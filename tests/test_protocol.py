@@ -20,13 +20,15 @@ import pytest
 
 from leakref import LeakrefError
 from leakref.certify.subject import child, memory
-from leakref.certify.targets import HarnessBroken, Limits, connect
 from leakref.certify.subject.declaration import Declaration
 from leakref.certify.subject.protocol import ProcessSubject
+from leakref.certify.targets import HarnessBroken, Limits, connect
 from leakref.certify.verdict import Unanswered
 
 OFTEN = "import json, os, signal, subprocess, sys, time\n"
-PROGRAM = OFTEN + '''
+PROGRAM = (
+    OFTEN
+    + """
 HERE = os.path.dirname(os.path.abspath(__file__))
 CAN = {"extract": {"methods": ["nsp"], "windows": ["box"]}}
 READY = {"op": "ready", "protocol": 1, "name": "small", "format": "raw", "can": CAN}
@@ -57,7 +59,8 @@ for line in sys.stdin:
     else:
         say(good(request))
 open(os.path.join(HERE, "stopped"), "w").close()
-'''
+"""
+)
 LATER = "while not os.path.exists(HERE + '/go'): time.sleep(0.01)\n"
 OFFSPRING = '''
 def linger(*, session=False, orphan=False, bare=False):
@@ -159,12 +162,15 @@ def test_a_program_that_does_not_stop_is_ended(session, monkeypatch):
 
 
 def test_a_crash_is_an_error(session, tmp_path):
-    deeds = {"os._exit(3)": "ended by itself, with exit status 3",
-             "sys.exit('no such wave')": "ended by itself, with exit status 1; its last words: no such wave",
-             "os.kill(os.getpid(), signal.SIGKILL)": "was ended by signal 9 (SIGKILL)",
-             "os.close(1); time.sleep(600)": "closed its standard output",
-             "print('\\x1b[31mred\\x07', file=sys.stderr); os._exit(1)":
-                 "ended by itself, with exit status 1; its last words: [31mred"}
+    deeds = {
+        "os._exit(3)": "ended by itself, with exit status 3",
+        "sys.exit('no such wave')": "ended by itself, with exit status 1; its last words: no such wave",
+        "os.kill(os.getpid(), signal.SIGKILL)": "was ended by signal 9 (SIGKILL)",
+        "os.close(1); time.sleep(600)": "closed its standard output",
+        "print('\\x1b[31mred\\x07', file=sys.stderr); os._exit(1)": (
+            "ended by itself, with exit status 1; its last words: [31mred"
+        ),
+    }
     with session(*deeds) as subject:
         assert judged(subject, len(deeds)) == [("error", words) for words in deeds.values()]
     assert starts(tmp_path) == 1 + len(deeds)
@@ -185,8 +191,10 @@ def test_a_program_that_does_not_read_is_out_of_time(session, tmp_path):
 
 
 def test_one_that_forks_and_hangs_leaves_no_offspring(session, tmp_path):
-    deeds = [f"linger({how}); time.sleep(600)" for how in
-             ("session=True", "session=True, orphan=True", "bare=True, orphan=True")]
+    deeds = [
+        f"linger({how}); time.sleep(600)"
+        for how in ("session=True", "session=True, orphan=True", "bare=True, orphan=True")
+    ]
     with session(*deeds, own=OFFSPRING) as subject:
         for _ in deeds:
             assert judged(subject, patience=1.0) == [("timeout", "gave no answer within 1 s")]
@@ -195,8 +203,11 @@ def test_one_that_forks_and_hangs_leaves_no_offspring(session, tmp_path):
 
 def test_one_that_forks_and_ends_leaves_no_offspring(session, tmp_path):
     ends, goes_on = "; os._exit(0)", "; say(good(request))"
-    deeds = [f"linger(session=True, orphan=True){ends}", f"linger(bare=True, orphan=True){ends}",
-             f"linger(session=True, orphan=True){goes_on}"]
+    deeds = [
+        f"linger(session=True, orphan=True){ends}",
+        f"linger(bare=True, orphan=True){ends}",
+        f"linger(session=True, orphan=True){goes_on}",
+    ]
     with session(*deeds, own=OFFSPRING) as subject:
         assert judged(subject, 3) == [*2 * [("error", "ended by itself, with exit status 0")], ("ok", "")]
         settled(tmp_path, 2)  # one is still waited for, beside the program: `left_behind` looks again
@@ -215,11 +226,12 @@ def test_an_orphan_without_a_trace_is_found(session, tmp_path):
 
 @linux
 def test_what_a_program_does_to_its_guardian_is_its_own_end(session, tmp_path):
-    deeds = {"os.kill(os.getppid(), signal.SIGKILL); time.sleep(600)": ("error", "was ended by signal 9 (SIGKILL)"),
-             f"{LOST}; os.kill(os.getppid(), signal.SIGSTOP); time.sleep(600)":
-                 ("timeout", "gave no answer within 3 s"),
-             "[os.kill(os.getppid(), n) for n in (1, 2, 15)]; say(good(request))": ("ok", ""),
-             "os.killpg(0, signal.SIGTERM); time.sleep(600)": ("error", "was ended by signal 15 (SIGTERM)")}
+    deeds = {
+        "os.kill(os.getppid(), signal.SIGKILL); time.sleep(600)": ("error", "was ended by signal 9 (SIGKILL)"),
+        f"{LOST}; os.kill(os.getppid(), signal.SIGSTOP); time.sleep(600)": ("timeout", "gave no answer within 3 s"),
+        "[os.kill(os.getppid(), n) for n in (1, 2, 15)]; say(good(request))": ("ok", ""),
+        "os.killpg(0, signal.SIGTERM); time.sleep(600)": ("error", "was ended by signal 15 (SIGTERM)"),
+    }
     with session(*deeds, own=OFFSPRING) as subject:
         for expected in deeds.values():
             assert judged(subject, patience=3.0 if expected[0] == "timeout" else 120.0) == [expected]
@@ -236,9 +248,11 @@ def test_a_program_that_kills_its_guardian_leaves_no_orphan(session):  # see lef
 def test_a_process_that_is_killed_leaves_no_program(session, tmp_path, number):
     program = session(f"{LOST}; open(HERE + '/asked', 'w').close(); time.sleep(600)", own=OFFSPRING)
     ours = tmp_path / "ours.py"
-    ours.write_text("import numpy as np\nfrom leakref.certify.subject.protocol import ProcessSubject\n"
-                    f"with ProcessSubject({program.command!r}) as subject:\n"
-                    "    while True: subject.extract(np.ones((4, 4, 4)), (1, 1, 1), [1.0], window='box')\n")
+    ours.write_text(
+        "import numpy as np\nfrom leakref.certify.subject.protocol import ProcessSubject\n"
+        f"with ProcessSubject({program.command!r}) as subject:\n"
+        "    while True: subject.extract(np.ones((4, 4, 4)), (1, 1, 1), [1.0], window='box')\n"
+    )
     with subprocess.Popen([sys.executable, str(ours)], env={**os.environ, "TMPDIR": str(tmp_path)}) as process:
         try:
             while not ((tmp_path / "asked").exists() and len(running(tmp_path)) == 3):  # ours, the program, the orphan
@@ -253,8 +267,19 @@ def test_a_process_that_is_killed_leaves_no_program(session, tmp_path, number):
 
 
 def test_garbage_between_the_lines_is_ignored(session, tmp_path):
-    lines = ["'hello'", "'{'", "'[' * 100000", "'{\"a\": ' * 100000", "'{}'", "'{\"status\": \"ok\"}'", "'\\0\\ud7ff'",
-             "7", "'[{\"id\": 3}]'", "'x' * (9 << 20)", "'{\"id\": ' + '1' * 5000"]
+    lines = [
+        "'hello'",
+        "'{'",
+        "'[' * 100000",
+        "'{\"a\": ' * 100000",
+        "'{}'",
+        '\'{"status": "ok"}\'',
+        "'\\0\\ud7ff'",
+        "7",
+        "'[{\"id\": 3}]'",
+        "'x' * (9 << 20)",
+        "'{\"id\": ' + '1' * 5000",
+    ]
     with session(*(f"print({line}, flush=True); say(good(request))" for line in lines)) as subject:
         assert judged(subject, len(lines)) == len(lines) * [("ok", "")]
     assert starts(tmp_path) == 1
@@ -264,8 +289,13 @@ def test_nothing_but_garbage_is_out_of_time(session, monkeypatch):
     """The clock stands until enough garbage has come: how soon that is depends on what else the machine does."""
     with session("while True: os.write(1, b'garbage' * 9999)") as subject:
         noise, started = subject._child._noise, time.monotonic()
-        monkeypatch.setattr(child, "time", SimpleNamespace(
-            sleep=time.sleep, monotonic=lambda: started + 9 * any("a line of more" in said for said in noise)))
+        monkeypatch.setattr(
+            child,
+            "time",
+            SimpleNamespace(
+                sleep=time.sleep, monotonic=lambda: started + 9 * any("a line of more" in said for said in noise)
+            ),
+        )
         before = psutil.Process().memory_info().rss
         limits, subject.limits = subject.limits, replace(subject.limits, run=1.0)
         verdict, message = ask(subject)
@@ -278,9 +308,14 @@ def test_nothing_but_garbage_is_out_of_time(session, monkeypatch):
 
 
 def test_answers_twice_or_to_another_question_are_errors(session, tmp_path):
-    deeds = ["os.write(1, 2 * (json.dumps(good(request)) + '\\n').encode())",
-             "say(good(request) | {'id': request['id'] + 1})", "say(good(request) | {'id': True})",
-             "say(good(request) | {'id': str(request['id'])})", "say(READY); say(good(request))", "say({'op': 'run'})"]
+    deeds = [
+        "os.write(1, 2 * (json.dumps(good(request)) + '\\n').encode())",
+        "say(good(request) | {'id': request['id'] + 1})",
+        "say(good(request) | {'id': True})",
+        "say(good(request) | {'id': str(request['id'])})",
+        "say(READY); say(good(request))",
+        "say({'op': 'run'})",
+    ]
     with session(*deeds) as subject:
         for verdict, message in judged(subject, len(deeds)):
             assert verdict == "error"
@@ -309,28 +344,58 @@ def test_what_is_said_after_the_last_answer_is_a_violation(session, tmp_path):
 
 
 def test_only_status_ok_is_an_answer(session):
-    statuses = {"'fine'": ("error", "answered with the status 'fine', should be ok, unsupported or error"),
-                "None": ("error", "answered with the status 'None', should be ok, unsupported or error"),
-                "'unsupported'": ("unsupported", "too rough"), "'error'": ("error", "too rough")}
+    statuses = {
+        "'fine'": ("error", "answered with the status 'fine', should be ok, unsupported or error"),
+        "None": ("error", "answered with the status 'None', should be ok, unsupported or error"),
+        "'unsupported'": ("unsupported", "too rough"),
+        "'error'": ("error", "too rough"),
+    }
     deeds = [f"say(good(request) | {{'status': {status}, 'message': 'too\\nrough'}})" for status in statuses]
     with session(*deeds) as subject:
         assert judged(subject, len(deeds)) == list(statuses.values())
 
 
 def test_what_is_no_pair_of_numbers_fails(session):
-    answers = ["[[float('nan'), 0.1], [0.1, 0.2]]", "[[0.1, float('inf')], [0.1, 0.2]]", "[[0.1, 10**400], [0.1, 0.2]]",
-               "[None, None]", "[[0.1, 0.2]]", "[[0.1, 0.2]] * 3", "[[0.1], [0.2]]", "[0.1, 0.2]", "'ab'",
-               "{'0': [0.1, 0.2]}", "[[0.1, 'x'], [0.1, 0.2]]", "7", "None", "[]", "[{}, {}]",
-               "[[[0.1, 0.2], [0.1, 0.2]]]", "[['0.1', '0.2'], [0.1, 0.2]]", "[[True, False], [0.1, 0.2]]",
-               "[[0.1, True], [0.1, 0.2]]", "[[[0.1], [True]], [0.1, 0.2]]"]
+    answers = [
+        "[[float('nan'), 0.1], [0.1, 0.2]]",
+        "[[0.1, float('inf')], [0.1, 0.2]]",
+        "[[0.1, 10**400], [0.1, 0.2]]",
+        "[None, None]",
+        "[[0.1, 0.2]]",
+        "[[0.1, 0.2]] * 3",
+        "[[0.1], [0.2]]",
+        "[0.1, 0.2]",
+        "'ab'",
+        "{'0': [0.1, 0.2]}",
+        "[[0.1, 'x'], [0.1, 0.2]]",
+        "7",
+        "None",
+        "[]",
+        "[{}, {}]",
+        "[[[0.1, 0.2], [0.1, 0.2]]]",
+        "[['0.1', '0.2'], [0.1, 0.2]]",
+        "[[True, False], [0.1, 0.2]]",
+        "[[0.1, True], [0.1, 0.2]]",
+        "[[[0.1], [True]], [0.1, 0.2]]",
+    ]
     with session(*(f"say(good(request) | {{'velocities': {rows}}})" for rows in answers)) as subject:
         for answer, (verdict, message) in zip(answers, judged(subject, len(answers)), strict=True):
             assert (verdict, "velocities" in message) == ("fail", True), answer
 
 
 def test_wavenumbers_that_are_none_fail(session):
-    answers = ["5", "'ab'", "[]", "['a', 'b']", "[1.0]", "[1.0, None]", "[0.5, float('nan')]", "['0.5', '1.5']",
-               "[True, True]", "[0.5, True]"]
+    answers = [
+        "5",
+        "'ab'",
+        "[]",
+        "['a', 'b']",
+        "[1.0]",
+        "[1.0, None]",
+        "[0.5, float('nan')]",
+        "['0.5', '1.5']",
+        "[True, True]",
+        "[0.5, True]",
+    ]
     with session(*(f"say(good(request) | {{'wavenumbers': {at}}})" for at in answers)) as subject:
         assert [verdict for verdict, _ in judged(subject, len(answers))] == len(answers) * ["fail"]
 
@@ -350,16 +415,19 @@ def test_another_path_than_the_one_given_is_an_error_and_a_stray_file(session):
 
 
 def test_whatever_is_changed_in_the_exchange_folder_is_said(session, tmp_path):
-    deeds = {"os.chmod(path, 0o644); open(path, 'r+b').write(b'x')": "altered its input in/eta.f64",
-             "os.remove(path)": "removed its input in/eta.f64",
-             "os.remove(path); os.mkdir(path)": "replaced its input in/eta.f64",
-             "os.rename(path, path + '2'); open(path, 'wb').write(open(path + '2', 'rb').read())":
-                 "replaced its input in/eta.f64",
-             "open(run + '/new', 'w').close()": "left in the exchange folder 'run-10/new'",
-             "os.mkdir(run + '/out/deep'); os.chmod(run + '/out', 0)": "left in the exchange folder 'run-12/out/deep'",
-             "os.symlink(HERE, run + '/../link')": "left in the exchange folder 'link'",
-             "shutil.rmtree(run)": "removed its input in/x.f64",
-             "shutil.rmtree(os.path.dirname(run))": "removed its input in/x.f64"}
+    deeds = {
+        "os.chmod(path, 0o644); open(path, 'r+b').write(b'x')": "altered its input in/eta.f64",
+        "os.remove(path)": "removed its input in/eta.f64",
+        "os.remove(path); os.mkdir(path)": "replaced its input in/eta.f64",
+        "os.rename(path, path + '2'); open(path, 'wb').write(open(path + '2', 'rb').read())": (
+            "replaced its input in/eta.f64"
+        ),
+        "open(run + '/new', 'w').close()": "left in the exchange folder 'run-10/new'",
+        "os.mkdir(run + '/out/deep'); os.chmod(run + '/out', 0)": "left in the exchange folder 'run-12/out/deep'",
+        "os.symlink(HERE, run + '/../link')": "left in the exchange folder 'link'",
+        "shutil.rmtree(run)": "removed its input in/x.f64",
+        "shutil.rmtree(os.path.dirname(run))": "removed its input in/x.f64",
+    }
     before = "import shutil; run = os.path.dirname(request['input']); path = run + '/in/eta.f64'; "
     with session(*(f"{before}{deed}; say(good(request))" for deed in deeds)) as subject:
         for words in deeds.values():
@@ -370,27 +438,32 @@ def test_whatever_is_changed_in_the_exchange_folder_is_said(session, tmp_path):
 
 
 def test_inputs_are_read_only(session):
-    deed = ("path = request['input'] + '/eta.f64'; "
-            "say(good(request) if os.stat(path).st_mode & 0o777 == 0o444 else {'id': 2, 'status': 'error'})")
+    deed = (
+        "path = request['input'] + '/eta.f64'; "
+        "say(good(request) if os.stat(path).st_mode & 0o777 == 0o444 else {'id': 2, 'status': 'error'})"
+    )
     with session(deed) as subject:
         assert judged(subject) == [("ok", "")]
         assert subject.violations == []
 
 
 def test_one_that_eats_memory_is_stopped_with_its_offspring_counted(session):
-    deed = ("if os.fork() == 0:\n    eaten = bytearray(120 << 20)\n"
-            "    for n in range(0, len(eaten), 4096): eaten[n] = 1\ntime.sleep(600)")
+    deed = (
+        "if os.fork() == 0:\n    eaten = bytearray(120 << 20)\n"
+        "    for n in range(0, len(eaten), 4096): eaten[n] = 1\ntime.sleep(600)"
+    )
     with session(deed, memory=100 * 2**20) as subject:
         ((verdict, message),) = judged(subject)
     assert (verdict, "more than the 100 MiB allowed" in message) == ("error", True)
 
 
 @linux
-@pytest.mark.parametrize("file", [
-    "os.memfd_create('m')", "os.open(path := f'/dev/shm/{os.getpid()}', os.O_CREAT | os.O_RDWR); os.remove(path)"])
+@pytest.mark.parametrize(
+    "file",
+    ["os.memfd_create('m')", "os.open(path := f'/dev/shm/{os.getpid()}', os.O_CREAT | os.O_RDWR); os.remove(path)"],
+)
 def test_files_of_memory_count_though_they_are_not_mapped(session, file):
-    deed = (f"file = {file}\n"
-            "for _ in range(120): os.write(file, bytes(1 << 20))\ntime.sleep(600)")
+    deed = f"file = {file}\nfor _ in range(120): os.write(file, bytes(1 << 20))\ntime.sleep(600)"
     with session(deed, memory=100 * 2**20) as subject:
         ((verdict, message),) = judged(subject, patience=60.0)
     assert (verdict, "more than the 100 MiB allowed" in message) == ("error", True)
@@ -398,8 +471,10 @@ def test_files_of_memory_count_though_they_are_not_mapped(session, file):
 
 @linux
 def test_memory_that_is_mapped_and_open_counts_once():
-    code = "import mmap, os\nf = os.memfd_create('m')\nos.truncate(f, 60 << 20)\nm = mmap.mmap(f, 60 << 20)\n" \
-           "m.write(bytes(60 << 20))\nprint(flush=True)\ninput()"
+    code = (
+        "import mmap, os\nf = os.memfd_create('m')\nos.truncate(f, 60 << 20)\nm = mmap.mmap(f, 60 << 20)\n"
+        "m.write(bytes(60 << 20))\nprint(flush=True)\ninput()"
+    )
     with subprocess.Popen([sys.executable, "-S", "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE) as process:
         process.stdout.readline()
         found = memory.held([psutil.Process(process.pid)])
@@ -414,12 +489,17 @@ def test_what_was_held_is_seen_to_be_more_than_what_is_allowed(more):
 
 
 def test_a_name_that_stands_twice_is_no_answer(session):
-    deeds = ["text = json.dumps(good(request)); print(text[:-1] + ', \"velocities\": []}', flush=True)",
-             "text = json.dumps(good(request)); print(text[:-1] + ', \"x\": {\"a\": 1, \"a\": 1}}', flush=True)",
-             "print('{\"a\": 1, \"a\": 2}', flush=True); say(good(request))"]
+    deeds = [
+        "text = json.dumps(good(request)); print(text[:-1] + ', \"velocities\": []}', flush=True)",
+        'text = json.dumps(good(request)); print(text[:-1] + \', "x": {"a": 1, "a": 1}}\', flush=True)',
+        'print(\'{"a": 1, "a": 2}\', flush=True); say(good(request))',
+    ]
     with session(*deeds) as subject:
-        assert judged(subject, len(deeds)) == [("error", "said 'velocities' twice in one object"),
-                                               ("error", "said 'a' twice in one object"), ("ok", "")]
+        assert judged(subject, len(deeds)) == [
+            ("error", "said 'velocities' twice in one object"),
+            ("error", "said 'a' twice in one object"),
+            ("ok", ""),
+        ]
 
 
 def test_what_is_too_deep_to_be_read_is_no_answer(session):
@@ -430,9 +510,13 @@ def test_what_is_too_deep_to_be_read_is_no_answer(session):
 
 def test_messages_are_cut(session):
     long = "'x\\x1b\\u202e' * 10**5"
-    deeds = [f"say(good(request) | {{'velocities': [{long}, None]}})", f"say(good(request) | {{'status': {long}}})",
-             f"say(good(request) | {{'status': 'error', 'message': {long}}})", f"say({{'id': {long}}})",
-             f"say(good(request) | {{'wavenumbers': {long}}})"]
+    deeds = [
+        f"say(good(request) | {{'velocities': [{long}, None]}})",
+        f"say(good(request) | {{'status': {long}}})",
+        f"say(good(request) | {{'status': 'error', 'message': {long}}})",
+        f"say({{'id': {long}}})",
+        f"say(good(request) | {{'wavenumbers': {long}}})",
+    ]
     with session(*deeds) as subject:
         for verdict, message in judged(subject, len(deeds)):
             assert verdict in ("fail", "error")
@@ -462,8 +546,15 @@ def test_three_breaches_in_a_row_are_the_end(session, tmp_path):
         found = [ask(subject) for _ in range(8)]
     ended = ("error", "ended by itself, with exit status 9")
     assert found[:6] == [ended, ended, ("ok", ""), ended, ended, ended]
-    assert found[6] == found[7] == ("error", "is not asked any more after 3 breaches in a row, the last of which was "
-                                             "that it ended by itself, with exit status 9")
+    assert (
+        found[6]
+        == found[7]
+        == (
+            "error",
+            "is not asked any more after 3 breaches in a row, the last of which was "
+            "that it ended by itself, with exit status 9",
+        )
+    )
     assert starts(tmp_path) == 5
 
 
@@ -483,24 +574,39 @@ def test_a_start_that_fails_is_a_breach_too(session):
         assert "is not asked any more" in ask(subject)[1]
 
 
-@pytest.mark.parametrize(("own", "words"), [
-    ("def good(request): os._exit(2)", "exit status 2"),
-    ("def good(request): time.sleep(600)", "gave no answer within 0.7 s"),
-    ("def good(request): return {'id': 1, 'status': 'error', 'message': 'too small'}", "too small"),
-    ("def good(request, good=good): return good(request) | {'id': True}", "to the request with id 1"),
-    ("raise SystemExit('usage: program FILE')", "usage: program FILE"),
-    ("print('usage: program FILE'); sys.exit()", "usage: program FILE"),
-    ("READY['protocol'] = 2", '"protocol": 1'), ("READY['op'] = 'hello'", '"op": "ready"'),
-    ("READY['axes'] = ['x']", "declares axes"), ("CAN['extract']['windows'] = ['box', 'box']", "each once"),
-    ("def say(message): os.write(1, b'\\xef\\xbb\\xbf' + json.dumps(message).encode() + b'\\n'); os._exit(0)",
-     "a line begins with a byte-order mark, ef bb bf"),
-    ("def say(message): os.write(1, (json.dumps(message) + '\\n').encode('utf-16')); os._exit(0)",
-     "a line begins with a byte-order mark, ff fe"),
-    ("def say(message): os.write(1, (json.dumps(message) + '\\n').encode('utf-16-le')); os._exit(0)", "UTF-16?"),
-    ("def say(message): os.write(2, b'words'); os.write(1, b'{\"op\": \"ready\\xe4\"}\\n'); os._exit(0)",
-     "a line is not UTF-8: e4 at byte 13"),
-    ("def ready(): print(json.dumps(READY)[:-1] + ', \"axes\": \"txy\", \"axes\": \"xyt\"}', flush=True)",
-     "said 'axes' twice in one object"), ("CAN['extract']['windows'] = 5", "declares windows")])
+@pytest.mark.parametrize(
+    ("own", "words"),
+    [
+        ("def good(request): os._exit(2)", "exit status 2"),
+        ("def good(request): time.sleep(600)", "gave no answer within 0.7 s"),
+        ("def good(request): return {'id': 1, 'status': 'error', 'message': 'too small'}", "too small"),
+        ("def good(request, good=good): return good(request) | {'id': True}", "to the request with id 1"),
+        ("raise SystemExit('usage: program FILE')", "usage: program FILE"),
+        ("print('usage: program FILE'); sys.exit()", "usage: program FILE"),
+        ("READY['protocol'] = 2", '"protocol": 1'),
+        ("READY['op'] = 'hello'", '"op": "ready"'),
+        ("READY['axes'] = ['x']", "declares axes"),
+        ("CAN['extract']['windows'] = ['box', 'box']", "each once"),
+        (
+            "def say(message): os.write(1, b'\\xef\\xbb\\xbf' + json.dumps(message).encode() + b'\\n'); os._exit(0)",
+            "a line begins with a byte-order mark, ef bb bf",
+        ),
+        (
+            "def say(message): os.write(1, (json.dumps(message) + '\\n').encode('utf-16')); os._exit(0)",
+            "a line begins with a byte-order mark, ff fe",
+        ),
+        ("def say(message): os.write(1, (json.dumps(message) + '\\n').encode('utf-16-le')); os._exit(0)", "UTF-16?"),
+        (
+            "def say(message): os.write(2, b'words'); os.write(1, b'{\"op\": \"ready\\xe4\"}\\n'); os._exit(0)",
+            "a line is not UTF-8: e4 at byte 13",
+        ),
+        (
+            'def ready(): print(json.dumps(READY)[:-1] + \', "axes": "txy", "axes": "xyt"}\', flush=True)',
+            "said 'axes' twice in one object",
+        ),
+        ("CAN['extract']['windows'] = 5", "declares windows"),
+    ],
+)
 def test_one_that_cannot_answer_at_all_is_a_broken_harness(session, own, words):
     program = session(own=own, run=0.7 if "600" in own else 60)
     with pytest.raises(HarnessBroken, match="does not answer") as broken, program:
@@ -508,14 +614,33 @@ def test_one_that_cannot_answer_at_all_is_a_broken_harness(session, own, words):
     assert words in str(broken.value)
 
 
-@pytest.mark.parametrize(("name", "value"), [
-    ("axes", "abc"), ("axes", ["x"]), ("can", []), ("can", {}), ("can", {"extract": 7}), ("can", {"dance": {}}),
-    ("fixed", 5), ("fixed", "gravity"), ("fixed", [5]), ("format", "xml"), ("units", None),
-    ("can", {"extract": {"windows": 5}}), ("can", {"extract": {"methods": [[]]}}),
-    ("can", {"extract": {"methods": []}}), ("can", {"spectrum": {"windows": {}}}),
-    ("can", {"window": {"names": "hann"}}), ("can", {"extract": {"resolves": []}}), ("fixed", ["dy", "dy"]),
-    ("can", {"extract": {"methods": ["nsp", "ls", "nsp"]}}), ("can", {"extract": {"windows": ["hann", "hann\u202e"]}}),
-    ("can", {"window": {"names": ["hann", "hann"]}}), ("can", {"extract": {"methods": ["\u202e"]}})])
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("axes", "abc"),
+        ("axes", ["x"]),
+        ("can", []),
+        ("can", {}),
+        ("can", {"extract": 7}),
+        ("can", {"dance": {}}),
+        ("fixed", 5),
+        ("fixed", "gravity"),
+        ("fixed", [5]),
+        ("format", "xml"),
+        ("units", None),
+        ("can", {"extract": {"windows": 5}}),
+        ("can", {"extract": {"methods": [[]]}}),
+        ("can", {"extract": {"methods": []}}),
+        ("can", {"spectrum": {"windows": {}}}),
+        ("can", {"window": {"names": "hann"}}),
+        ("can", {"extract": {"resolves": []}}),
+        ("fixed", ["dy", "dy"]),
+        ("can", {"extract": {"methods": ["nsp", "ls", "nsp"]}}),
+        ("can", {"extract": {"windows": ["hann", "hann\u202e"]}}),
+        ("can", {"window": {"names": ["hann", "hann"]}}),
+        ("can", {"extract": {"methods": ["\u202e"]}}),
+    ],
+)
 def test_a_declaration_that_makes_no_sense_is_refused(name, value):
     with pytest.raises(Unanswered, match="declares"):
         Declaration.read({name: value})
@@ -523,16 +648,29 @@ def test_a_declaration_that_makes_no_sense_is_refused(name, value):
 
 def test_declared_words_can_be_printed_anywhere():
     bad, good = "a\x1b[31m\u202e\u2066\n" + "b" * 10**5, "a [31m " + "b" * 110 + "..."
-    read = Declaration.read({"name": bad, "version": bad, "fixed": [bad], "can": {
-        "extract": {"methods": [bad], "windows": [bad], bad: {bad: [bad, 1, None]}}, "window": {"names": [bad]}}})
+    read = Declaration.read(
+        {
+            "name": bad,
+            "version": bad,
+            "fixed": [bad],
+            "can": {
+                "extract": {"methods": [bad], "windows": [bad], bad: {bad: [bad, 1, None]}},
+                "window": {"names": [bad]},
+            },
+        }
+    )
     assert (read.name, read.version, read.fixed) == (good, good, (good,))
-    assert read.can == {"extract": {"methods": [good], "windows": [good], good: {good: [good, 1, None]}},
-                        "window": {"names": [good]}}
+    assert read.can == {
+        "extract": {"methods": [good], "windows": [good], good: {good: [good, 1, None]}},
+        "window": {"names": [good]},
+    }
 
 
 def test_a_bad_first_answer_is_the_implementations_own_fault(session):
-    own = ("def good(request, good=good):\n"
-           "    return good(request) | ({'velocities': [[float('nan'), 0]]} if request['id'] == 1 else {})")
+    own = (
+        "def good(request, good=good):\n"
+        "    return good(request) | ({'velocities': [[float('nan'), 0]]} if request['id'] == 1 else {})"
+    )
     with session(own=own) as subject:
         assert ask(subject) == ("ok", "")
 
@@ -608,7 +746,8 @@ def test_nothing_is_left_when_we_are_interrupted(session, tmp_path):
         "signal.signal(signal.SIGINT, signal.default_int_handler)  # a job in the background is started to ignore it\n"
         f"tempfile.tempdir = {tempfile.tempdir!r}\n"
         f"with ProcessSubject([sys.executable, '-S', {str(tmp_path / 'program.py')!r}]) as subject:\n"
-        "    subject.extract(np.ones((4, 4, 4)), (1, 1, 1), [1.0], window='box')\n")
+        "    subject.extract(np.ones((4, 4, 4)), (1, 1, 1), [1.0], window='box')\n"
+    )
     with subprocess.Popen([sys.executable, str(ours)], stderr=subprocess.PIPE, text=True) as process:
         end = time.monotonic() + 60
         while not (tmp_path / "asked").exists() and process.poll() is None and time.monotonic() < end:

@@ -12,14 +12,22 @@ from pathlib import Path
 import pytest
 from tools import iwave_python, requires
 
-from leakref.certify.runner import select
-from leakref.certify.targets import connect
+from leakref.certify.runner import certify, select
 from leakref.certify.strength.diagnosis import explain
-from leakref.certify.runner import certify
+from leakref.certify.targets import connect
 
 HERE = Path(__file__).parent / "real_codes"
-SOME = ("signs.sea[to-22.5]", "signs.aligned[to-112.5]", "recovery.pair[odd-1]", "recovery.single[even]",
-        "currents.backwards", "shear.profile[linear]", "scale.peak[4]", "conformance.extract[nsp-*", "behaviour")
+SOME = (
+    "signs.sea[to-22.5]",
+    "signs.aligned[to-112.5]",
+    "recovery.pair[odd-1]",
+    "recovery.single[even]",
+    "currents.backwards",
+    "shear.profile[linear]",
+    "scale.peak[4]",
+    "conformance.extract[nsp-*",
+    "behaviour",
+)
 
 
 def certificate(command, *checks):
@@ -43,8 +51,10 @@ def cpp(source, folder):
     """The program that is made of that text."""
     compiler = requires("g++")
     (folder / "nsp.cpp").write_text(source, encoding="utf-8")
-    subprocess.run([compiler, "-std=c++17", "-O2", "-Wall", "-Wextra", "-Werror", "-o", folder / "nsp",
-                    folder / "nsp.cpp"], check=True)
+    subprocess.run(
+        [compiler, "-std=c++17", "-O2", "-Wall", "-Wextra", "-Werror", "-o", folder / "nsp", folder / "nsp.cpp"],
+        check=True,
+    )
     return (folder / "nsp",)
 
 
@@ -74,11 +84,15 @@ def test_so_it_is_in_the_whole_profile(name, tmp_path):
     assert found.counts["pass"] > 70
 
 
-@pytest.mark.parametrize(("name", "old", "new", "fault"), [
-    ("nsp.m", "S = ifft(fft(fft(eta, [], 1), [], 2), [], 3);", "S = fftn(eta);", "time-transform-reversed"),
-    ("nsp.m", "sqrt(gravity * size_k(in))", "sqrt(10 * size_k(in))", "gravity-hard-coded"),
-    ("nsp.cpp", "Wave wave{kx, -down,", "Wave wave{kx, down,", "flipped-y"),
-    ("nsp.cpp", 'pi / (nt * number(line, "dt"))', 'pi / ((nt - 1) * number(line, "dt"))', "duration-short")])
+@pytest.mark.parametrize(
+    ("name", "old", "new", "fault"),
+    [
+        ("nsp.m", "S = ifft(fft(fft(eta, [], 1), [], 2), [], 3);", "S = fftn(eta);", "time-transform-reversed"),
+        ("nsp.m", "sqrt(gravity * size_k(in))", "sqrt(10 * size_k(in))", "gravity-hard-coded"),
+        ("nsp.cpp", "Wave wave{kx, -down,", "Wave wave{kx, down,", "flipped-y"),
+        ("nsp.cpp", 'pi / (nt * number(line, "dt"))', 'pi / ((nt - 1) * number(line, "dt"))', "duration-short"),
+    ],
+)
 def test_a_mistake_in_it_is_named(name, old, new, fault, tmp_path):
     found = explain(certificate(CODES[name](changed(name, old, new), tmp_path), "signs.aligned", "recovery.pair"))
     assert found.grade == "rejected"
@@ -88,8 +102,11 @@ def test_a_mistake_in_it_is_named(name, old, new, fault, tmp_path):
 def test_a_search_that_starts_with_steps_as_large_as_the_phase_velocity_ends_elsewhere(tmp_path):
     source = changed("nsp.m", "step = 0.01 * sqrt(gravity / wavenumber)", "step = sqrt(gravity / wavenumber)")
     found = verdicts(certificate(octave(source, tmp_path), "recovery.pair[even-1]", "currents.backwards"))
-    assert found == {"recovery.pair[even-1]": "pass", "currents.backwards[opposing]": "fail",
-                     "currents.backwards[oblique]": "fail"}
+    assert found == {
+        "recovery.pair[even-1]": "pass",
+        "currents.backwards[opposing]": "fail",
+        "currents.backwards[oblique]": "fail",
+    }
 
 
 def iwave(*options):
@@ -97,8 +114,15 @@ def iwave(*options):
 
 
 def test_iwave_in_waves_of_its_own_size_is_right_in_seas():
-    found = certificate(iwave("--waves-only", "--fastest", "1.5", "--shrink", "16"), "signs.sea", "recovery.sea",
-                        "leakage.still", "shear.band[linear]", "behaviour.deterministic", "behaviour.refuses[nan]")
+    found = certificate(
+        iwave("--waves-only", "--fastest", "1.5", "--shrink", "16"),
+        "signs.sea",
+        "recovery.sea",
+        "leakage.still",
+        "shear.band[linear]",
+        "behaviour.deterministic",
+        "behaviour.refuses[nan]",
+    )
     assert [f for f in found.findings if f.verdict != "pass"] == []
     assert found.grade == "sound"
     assert found.declaration["can"]["extract"]["resolves"] == "band"

@@ -11,17 +11,29 @@ import pytest
 
 from leakref.certify.bias import SEAS, bias, figure
 from leakref.certify.certificate import Certificate, Known
+from leakref.certify.report import badge, page
 from leakref.certify.runner import select
 from leakref.certify.subject.inprocess import InProcess
-from leakref.certify.report import badge, page
 from leakref.certify.verdict import Finding, Verdict
 from leakref.chain import reference
 
 HOSTILE = "<script>alert(1)</script>\"'&{{ 7 * 7 }}"
-SAID = {"name": HOSTILE, "version": HOSTILE, "units": "si", "axes": "xyt", "y": "up", "direction": "to",
-        "fixed": [HOSTILE], "can": {"extract": {"methods": [HOSTILE], "windows": []}}}
-ARROWS = {"wavenumbers": [1.0, 2.0], "velocities": [[0.1, 0.2], [float("nan"), 0.0]], "should_be": [[0.1, 0.1]] * 2,
-          "over": [3.0, 0.1]}
+SAID = {
+    "name": HOSTILE,
+    "version": HOSTILE,
+    "units": "si",
+    "axes": "xyt",
+    "y": "up",
+    "direction": "to",
+    "fixed": [HOSTILE],
+    "can": {"extract": {"methods": [HOSTILE], "windows": []}},
+}
+ARROWS = {
+    "wavenumbers": [1.0, 2.0],
+    "velocities": [[0.1, 0.2], [float("nan"), 0.0]],
+    "should_be": [[0.1, 0.1]] * 2,
+    "over": [3.0, 0.1],
+}
 
 
 class Elements(HTMLParser):
@@ -40,11 +52,33 @@ class Elements(HTMLParser):
 
 def certificate(**more) -> Certificate:
     names = [f"{c.id}[{case.id}]" for c, case in select(["signs", "shear"])]
-    findings = [Finding(name, name.partition(".")[0], Verdict.FAIL, HOSTILE, 3.5, 12.0, HOSTILE, "eq:SJ",
-                        {"nsp": ARROWS} if n else ARROWS) for n, name in enumerate(names)]
+    findings = [
+        Finding(
+            name,
+            name.partition(".")[0],
+            Verdict.FAIL,
+            HOSTILE,
+            3.5,
+            12.0,
+            HOSTILE,
+            "eq:SJ",
+            {"nsp": ARROWS} if n else ARROWS,
+        )
+        for n, name in enumerate(names)
+    ]
     known = {names[0]: Known(names[0], HOSTILE, HOSTILE)}
-    return Certificate(HOSTILE, "quick", "v1", SAID, findings, known, [{"fault": HOSTILE, "words": HOSTILE}] * 2,
-                       HOSTILE, "extract", **more)
+    return Certificate(
+        HOSTILE,
+        "quick",
+        "v1",
+        SAID,
+        findings,
+        known,
+        [{"fault": HOSTILE, "words": HOSTILE}] * 2,
+        HOSTILE,
+        "extract",
+        **more,
+    )
 
 
 def test_hostile_words_are_text_and_nothing_comes_from_elsewhere():
@@ -98,8 +132,9 @@ def test_bias_is_that_of_the_reference_for_the_reference_and_twice_it_where_erro
 
 
 def test_sub_resolution_from_is_the_first_wavenumber_with_no_larger_error_above():
-    (found,) = bias(InProcess(reference), [replace(SEAS["small"], wavenumbers=(2.0, 2.5))], realizations=2,
-                    scales=(1.0,))
+    (found,) = bias(
+        InProcess(reference), [replace(SEAS["small"], wavenumbers=(2.0, 2.5))], realizations=2, scales=(1.0,)
+    )
     small, large = found.resolutions[0] / 2, found.resolutions[0] * 2
     assert replace(found, bias=small).sub_resolution_from == 2.0
     assert replace(found, bias=large).sub_resolution_from is None

@@ -99,7 +99,7 @@ def planted(where, value):
 
 def another_configuration(path, folder):
     """That of the other configuration, of the same realisation and shape."""
-    other, = (one for one in folder.rglob(path.name) if one.parent != path.parent)
+    (other,) = (one for one in folder.rglob(path.name) if one.parent != path.parent)
     shutil.copy(other, path)
 
 
@@ -122,17 +122,20 @@ HARMS = {
     "single precision": lambda path, folder: rewrite(path, velocities=lambda v: v.astype(np.float32)),
     "one array": lambda path, folder: np.savez(path, velocities=np.load(path)["velocities"]),
     "as they were once": lambda path, folder: np.savez(path, **{n: np.load(path)[n] for n in ("velocities", "notes")}),
-    "words": lambda path, folder: np.savez(path, velocities=np.array("a"), notes=np.array("b"), about=np.array(1),
-                                           sha256=np.array(2)),
+    "words": lambda path, folder: np.savez(
+        path, velocities=np.array("a"), notes=np.array("b"), about=np.array(1), sha256=np.array(2)
+    ),
     "no archive": lambda path, folder: path.write_bytes(b"\x93NUMPY\x01\x00\x10\x00{'descr': "),
     "a folder": lambda path, folder: (path.unlink(), path.mkdir(), (path / "x").write_text("")),
     "NaN, sealed": lambda path, folder: resealed(path, TASK, velocities=planted(NUMBER_OF, np.nan)),
     "infinity, sealed": lambda path, folder: resealed(path, TASK, velocities=planted(NUMBER_OF, np.inf)),
     "half a number, sealed": lambda path, folder: resealed(path, TASK, velocities=planted((*NUMBER_OF, 1), np.nan)),
     "no signal, yet a number, sealed": lambda path, folder: resealed(
-        path, TASK, notes=planted(NUMBER_OF, Note.NO_SIGNAL.value)),
+        path, TASK, notes=planted(NUMBER_OF, Note.NO_SIGNAL.value)
+    ),
     "ls of one bin, yet a number, sealed": lambda path, folder: resealed(
-        path, TASK, notes=planted((0, 1, 0), Note.TOO_FEW_BINS.value)),
+        path, TASK, notes=planted((0, 1, 0), Note.TOO_FEW_BINS.value)
+    ),
     "another shape, sealed": lambda path, folder: resealed(path, TASK, velocities=lambda v: v[:, :, 1:]),
 }
 TASK = runs.Task(SMALL, 0)
@@ -198,8 +201,11 @@ def start(folder, tmp_path, workers=1, parts=-1):
     """A run in a process of its own, which stands still once it has written so many parts."""
     script = tmp_path / "run.py"
     script.write_text(RUN)
-    return subprocess.Popen([sys.executable, script, folder, os.path.dirname(__file__), str(workers), str(parts)],
-                            stdout=subprocess.PIPE, start_new_session=True)
+    return subprocess.Popen(
+        [sys.executable, script, folder, os.path.dirname(__file__), str(workers), str(parts)],
+        stdout=subprocess.PIPE,
+        start_new_session=True,
+    )
 
 
 @pytest.mark.parametrize("workers", [1, 2])

@@ -9,12 +9,21 @@ import pytest
 from typer.testing import CliRunner
 
 from leakref import Components, Grid, LeakrefError, SeaState, UniformCurrent, fourier, leakage, synthesize
-from leakref.cubes import files
 from leakref.cases import configurations
 from leakref.cli.base import app
+from leakref.cubes import files
+from leakref.cubes.screen import (
+    FINE,
+    LEAKAGE,
+    LEAKED_SHARE,
+    NO_SIGNAL,
+    leaked_share,
+    rotate,
+    screen,
+    shells_with_signal,
+    turn,
+)
 from leakref.dispersion import velocity_resolutions
-from leakref.cubes.screen import (FINE, LEAKAGE, LEAKED_SHARE, NO_SIGNAL, leaked_share, rotate, screen,
-                                  shells_with_signal, turn)
 
 NARROW, BROAD = "theta0-dtheta/direction=60,spread=15", "theta0-dtheta/direction=90,spread=60"
 SMALL = (Grid((40, 44, 48), (0.8, 0.75, 1.3)), Grid((45, 52, 60), (0.95, 0.8, 0.9)), Grid((63, 50, 44), (0.6, 0.75, 1)))
@@ -22,9 +31,15 @@ SMALL = (Grid((40, 44, 48), (0.8, 0.75, 1.3)), Grid((45, 52, 60), (0.95, 0.8, 0.
 
 def screened(configuration, realization, wavenumbers):
     grid = configuration.grid
-    spectra = [leakage.spectrum(configuration.components(realization), grid, window,
-                                largest_wavenumber=wavenumbers[-1] + 3 * grid.wavenumber_resolution)
-               for window in ("box", "hann")]
+    spectra = [
+        leakage.spectrum(
+            configuration.components(realization),
+            grid,
+            window,
+            largest_wavenumber=wavenumbers[-1] + 3 * grid.wavenumber_resolution,
+        )
+        for window in ("box", "hann")
+    ]
     return screen(*spectra, wavenumbers)
 
 
@@ -53,7 +68,8 @@ def test_the_narrow_case_is_flagged_where_its_bias_exceeds_the_resolutions(reali
     k = np.array([0.4, 0.5, 0.6, 0.7, 1.0, 1.8, 2.0, 2.2, 2.6])
     result = screened(configurations([NARROW])[0], realization, k)
     assert dict(zip(k.tolist(), result.verdicts, strict=True)) == {
-        value: FINE if value == 1.0 else LEAKAGE for value in k.tolist()}
+        value: FINE if value == 1.0 else LEAKAGE for value in k.tolist()
+    }
     check_against_the_truth(result)
     assert result.leaked.min() > 4 * LEAKED_SHARE
 
@@ -88,8 +104,9 @@ def aligned(grid, count, seed):
     """`count` waves on bins of `grid` in a current, each as near the dispersion relation as a bin can be."""
     rng = np.random.default_rng(seed)
     k, towards = rng.uniform(0.6, 2.2, count), rng.uniform(0, 2 * np.pi) + rng.uniform(-1, 1, count)
-    i, j = np.unique(np.rint([k * np.cos(towards) / grid.bin_widths[0], k * np.sin(towards) / grid.bin_widths[1]]),
-                     axis=1)
+    i, j = np.unique(
+        np.rint([k * np.cos(towards) / grid.bin_widths[0], k * np.sin(towards) / grid.bin_widths[1]]), axis=1
+    )
     kx, ky = i * grid.bin_widths[0], j * grid.bin_widths[1]
     speed = rng.uniform(0, 0.15)
     m = np.rint((np.sqrt(np.hypot(kx, ky)) + speed * ky) / grid.frequency_resolution)
@@ -103,8 +120,9 @@ def test_a_bin_aligned_cube_is_never_flagged_where_it_holds_energy():
         waves = aligned(grid, count, seed)
         dk = grid.wavenumber_resolution
         k = np.arange(4, int(2.2 / dk) + 1) * dk
-        result = screen(*(leakage.spectrum(waves, grid, window, largest_wavenumber=k[-1] + 3 * dk)
-                          for window in ("box", "hann")), k)
+        result = screen(
+            *(leakage.spectrum(waves, grid, window, largest_wavenumber=k[-1] + 3 * dk) for window in ("box", "hann")), k
+        )
         held = np.array([np.any(np.abs(np.hypot(waves.kx, waves.ky) - one) <= 2 * dk) for one in k])
         assert LEAKAGE not in result.verdicts
         assert result.leaked.max() < 1e-10
@@ -119,8 +137,13 @@ def test_the_same_waves_off_their_bins_are_flagged():
     grid, found = SMALL[1], []
     for seed in range(3):
         waves = aligned(grid, 20, seed)
-        moved = Components(waves.kx + grid.bin_widths[0] / 2, waves.ky + grid.bin_widths[1] / 2,
-                           waves.omega + grid.frequency_resolution / 2, waves.amplitude, waves.phase)
+        moved = Components(
+            waves.kx + grid.bin_widths[0] / 2,
+            waves.ky + grid.bin_widths[1] / 2,
+            waves.omega + grid.frequency_resolution / 2,
+            waves.amplitude,
+            waves.phase,
+        )
         k = np.arange(5, 14) * grid.wavenumber_resolution
         result = screen(*(leakage.spectrum(moved, grid, window) for window in ("box", "hann")), k)
         assert result.leaked.min() > LEAKED_SHARE
@@ -149,8 +172,19 @@ def test_the_exit_status_says_whether_what_was_reported_is_affected(tmp_path):
     files.write(tmp_path / "a.npz", files.Cube(surface, grid, 1.0), "npz")
     answers = {}
     for window in ("box", "hann"):
-        done = CliRunner().invoke(app, ["extract", str(tmp_path / "a.npz"), "--screen", "--json", "--window", window,
-                                        "--wavenumbers", "0.9,2,2.2"])
+        done = CliRunner().invoke(
+            app,
+            [
+                "extract",
+                str(tmp_path / "a.npz"),
+                "--screen",
+                "--json",
+                "--window",
+                window,
+                "--wavenumbers",
+                "0.9,2,2.2",
+            ],
+        )
         answers[window] = json.loads(done.stdout)
         assert done.exit_code == (1 if window == "box" else 0)
         assert answers[window]["verdicts"][1:] == ["leakage", "leakage"]
@@ -209,8 +243,10 @@ def test_a_turned_camera_sees_the_turned_sea():
     c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
     x, y = 63 * 0.3 / 2 + c * p - s * q, 59 * 0.35 / 2 + s * p + c * q
     for m, t in enumerate(grid.samples(2)):
-        truth = sum(a * np.cos(kx * x + ky * y - w * t + phase) for kx, ky, w, a, phase in zip(
-            waves.kx, waves.ky, waves.omega, waves.amplitude, waves.phase, strict=True))
+        truth = sum(
+            a * np.cos(kx * x + ky * y - w * t + phase)
+            for kx, ky, w, a, phase in zip(waves.kx, waves.ky, waves.omega, waves.amplitude, waves.phase, strict=True)
+        )
         inside = (slice(4, -4),) * 2  # the spline is free at the edge of the image
         # cubic splines are off by (k d)^4 / 384 or so of the amplitude: (1.05 * 0.35)^4 / 384 = 5e-5
         assert np.abs(seen[:, :, m] - truth)[inside].max() < 2e-4

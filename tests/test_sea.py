@@ -33,11 +33,18 @@ def test_spreading_is_a_squared_cosine_of_full_width_across_the_cut():
     assert directional_spreading(theta, 35, 80).sum() * 0.1 == pytest.approx(40, rel=1e-13)
 
 
-@pytest.mark.parametrize(("counter", "key", "block"), [  # the known answers of Random123
-    ([0] * 4, [0] * 2, "16554d9eca36314c db20fe9d672d0fdc d7e772cee186176b 7e68b68aec7ba23b"),
-    ([2**64 - 1] * 4, [2**64 - 1] * 2, "87b092c3013fe90b 438c3c67be8d0224 9cc7d7c69cd777b6 a09caebf594f0ba0"),
-    ([0x243F6A8885A308D3, 0x13198A2E03707344, 0xA4093822299F31D0, 0x082EFA98EC4E6C89],
-     [0x452821E638D01377, 0xBE5466CF34E90C6C], "a528f45403e61d95 38c72dbd566e9788 a5a1610e72fd18b5 57bd43b5e52b7fe6")])
+@pytest.mark.parametrize(
+    ("counter", "key", "block"),
+    [  # the known answers of Random123
+        ([0] * 4, [0] * 2, "16554d9eca36314c db20fe9d672d0fdc d7e772cee186176b 7e68b68aec7ba23b"),
+        ([2**64 - 1] * 4, [2**64 - 1] * 2, "87b092c3013fe90b 438c3c67be8d0224 9cc7d7c69cd777b6 a09caebf594f0ba0"),
+        (
+            [0x243F6A8885A308D3, 0x13198A2E03707344, 0xA4093822299F31D0, 0x082EFA98EC4E6C89],
+            [0x452821E638D01377, 0xBE5466CF34E90C6C],
+            "a528f45403e61d95 38c72dbd566e9788 a5a1610e72fd18b5 57bd43b5e52b7fe6",
+        ),
+    ],
+)
 def test_the_oracle_of_philox_gives_its_known_answers(counter, key, block):
     assert [f"{word:016x}" for word in oracles.philox4x64_10(counter, key)] == block.split()
 
@@ -88,10 +95,14 @@ def test_components_are_the_equations_on_every_lattice_point_and_nowhere_else():
 @pytest.mark.parametrize(("spread", "peakedness"), [(60, 3.3), (120, 1.0), (360, 7.0)])
 def test_energy_of_the_sea_is_the_integral_of_its_spectrum(spread, peakedness):
     # int S(omega) d omega up to k = 3.5, times int f d theta = half the spread
-    integral = quad(lambda w: float(jonswap(w, peakedness)), 0.3, math.sqrt(3.5), epsabs=1e-12, limit=200,
-                    points=[1.0])[0] * math.radians(spread) / 2
-    fine, coarse = (SeaState(direction=90, spread=spread, peakedness=peakedness, length=n).components(0).variance
-                    for n in (40, 20))
+    integral = (
+        quad(lambda w: float(jonswap(w, peakedness)), 0.3, math.sqrt(3.5), epsabs=1e-12, limit=200, points=[1.0])[0]
+        * math.radians(spread)
+        / 2
+    )
+    fine, coarse = (
+        SeaState(direction=90, spread=spread, peakedness=peakedness, length=n).components(0).variance for n in (40, 20)
+    )
     # a sum over lattice points: what is wrong is the ragged edge at k = 3.5, spread pi / 360 * 3.5 / dk = 200 cells
     # of it or more, half a cell each with random signs, of some 2 % of the mean density: 3e-4; five times that
     assert fine == pytest.approx(integral, rel=1.5e-3)
@@ -101,8 +112,13 @@ def test_energy_of_the_sea_is_the_integral_of_its_spectrum(spread, peakedness):
 def test_seas_that_differ_in_spread_peakedness_direction_or_current_share_phases():
     sea = SeaState(direction=90, spread=60, length=4)
     base = by_lattice_point(sea.components(5), 4)
-    for change in ({"spread": 15}, {"peakedness": 7}, {"current": UniformCurrent((0.3, 0.1))}, {"direction": 80},
-                   {"current": ExponentialCurrent((0.3, 0.0), 0.5)}):
+    for change in (
+        {"spread": 15},
+        {"peakedness": 7},
+        {"current": UniformCurrent((0.3, 0.1))},
+        {"direction": 80},
+        {"current": ExponentialCurrent((0.3, 0.0), 0.5)},
+    ):
         other = by_lattice_point(replace(sea, **change).components(5), 4)
         shared = base.keys() & other.keys()
         assert len(shared) > 50
@@ -167,8 +183,9 @@ def test_aligned_waves_are_on_their_bins_and_on_the_dispersion_relation(gravity)
         kx, ky, omega = waves.kx[n], waves.ky[n], waves.omega[n]
         assert (kx, ky, omega) == (i * grid.bin_widths[0], j * grid.bin_widths[1], m * grid.bin_widths[2])
         # a 2x2 system of condition 2
-        assert omega == pytest.approx(math.sqrt(gravity * math.hypot(kx, ky)) + kx * current[0] + ky * current[1],
-                                      abs=1e-14)
+        assert omega == pytest.approx(
+            math.sqrt(gravity * math.hypot(kx, ky)) + kx * current[0] + ky * current[1], abs=1e-14
+        )
     assert waves.amplitude.tolist() == [2, 3]
     assert waves.phase.tolist() == [0, 1]
 
@@ -184,30 +201,33 @@ def test_one_aligned_wave_fixes_the_current_along_it():
 GRID = Grid((20, 24, 64), (0.8, 0.7, 0.9))
 
 
-@pytest.mark.parametrize(("call", "refused", "fault"), [
-    ("aligned_waves", lambda: aligned_waves(GRID, [(1, 1, 9), (2, 2, 9)]), "parallel"),
-    ("aligned_waves", lambda: aligned_waves(GRID, [(0, 0, 9)]), "zero"),
-    ("aligned_waves", lambda: aligned_waves(GRID, []), "0 waves"),
-    ("aligned_waves", lambda: aligned_waves(GRID, [(1, 0, 9)] * 3), "3 waves"),
-    ("aligned_waves", lambda: aligned_waves(GRID, [(1.5, 0, 9)]), "1.5"),  # on no bin
-    ("aligned_waves", lambda: aligned_waves(GRID, [(11, 0, 9)]), "11"),  # past Nyquist: seen elsewhere
-    ("aligned_waves", lambda: aligned_waves(GRID, [(1, 0, 33)]), "33"),
-    ("Components", lambda: Components([1, 2], [1], [1], [1], [1]), "sizes"),
-    ("Components", lambda: Components([], [], [], [], []), "sizes"),
-    ("Components", lambda: Components([1], [np.nan], [1], [1], [1]), "ky"),
-    ("Components", lambda: Components([1], [1], [1], [np.inf], [1]), "amplitude"),
-    ("Components", lambda: Components([[1]], [1], [1], [1], [1]), "kx"),
-    ("SeaState", lambda: SeaState(direction=np.nan), "direction"),
-    ("SeaState", lambda: SeaState(spread=0), "spread"),
-    ("SeaState", lambda: SeaState(spread=361), "spread"),
-    ("SeaState", lambda: SeaState(peakedness=-1), "peakedness"),
-    ("SeaState", lambda: SeaState(length=0), "length"),
-    ("SeaState.components", lambda: SeaState(length=2).components(-1), "realization = -1"),
-    ("SeaState.components", lambda: SeaState(length=2).components(0.5), "realization = 0.5"),
-    ("SeaState.components", lambda: SeaState(length=2).components(np.nan), "realization = nan"),
-    ("SeaState.components", lambda: SeaState(length=2).components(2**63), "realization"),
-    ("SeaState.components", lambda: SeaState(direction=7, spread=0.01, length=1).components(0), "no lattice point"),
-])
+@pytest.mark.parametrize(
+    ("call", "refused", "fault"),
+    [
+        ("aligned_waves", lambda: aligned_waves(GRID, [(1, 1, 9), (2, 2, 9)]), "parallel"),
+        ("aligned_waves", lambda: aligned_waves(GRID, [(0, 0, 9)]), "zero"),
+        ("aligned_waves", lambda: aligned_waves(GRID, []), "0 waves"),
+        ("aligned_waves", lambda: aligned_waves(GRID, [(1, 0, 9)] * 3), "3 waves"),
+        ("aligned_waves", lambda: aligned_waves(GRID, [(1.5, 0, 9)]), "1.5"),  # on no bin
+        ("aligned_waves", lambda: aligned_waves(GRID, [(11, 0, 9)]), "11"),  # past Nyquist: seen elsewhere
+        ("aligned_waves", lambda: aligned_waves(GRID, [(1, 0, 33)]), "33"),
+        ("Components", lambda: Components([1, 2], [1], [1], [1], [1]), "sizes"),
+        ("Components", lambda: Components([], [], [], [], []), "sizes"),
+        ("Components", lambda: Components([1], [np.nan], [1], [1], [1]), "ky"),
+        ("Components", lambda: Components([1], [1], [1], [np.inf], [1]), "amplitude"),
+        ("Components", lambda: Components([[1]], [1], [1], [1], [1]), "kx"),
+        ("SeaState", lambda: SeaState(direction=np.nan), "direction"),
+        ("SeaState", lambda: SeaState(spread=0), "spread"),
+        ("SeaState", lambda: SeaState(spread=361), "spread"),
+        ("SeaState", lambda: SeaState(peakedness=-1), "peakedness"),
+        ("SeaState", lambda: SeaState(length=0), "length"),
+        ("SeaState.components", lambda: SeaState(length=2).components(-1), "realization = -1"),
+        ("SeaState.components", lambda: SeaState(length=2).components(0.5), "realization = 0.5"),
+        ("SeaState.components", lambda: SeaState(length=2).components(np.nan), "realization = nan"),
+        ("SeaState.components", lambda: SeaState(length=2).components(2**63), "realization"),
+        ("SeaState.components", lambda: SeaState(direction=7, spread=0.01, length=1).components(0), "no lattice point"),
+    ],
+)
 def test_bad_input_is_refused(call, refused, fault):
     with pytest.raises(LeakrefError) as caught:
         refused()

@@ -23,8 +23,14 @@ BY_ID = {c.id: c for c in SHEARED}
 def measured(configuration, velocities):
     """An ensemble of these velocities (R, n, 2), or of one realisation (n, 2)."""
     velocities = np.broadcast_to(velocities, (3, configuration.wavenumbers.size, 2))
-    return Ensemble(configuration, "hann", "nsp", configuration.wavenumbers, velocities,
-                    np.zeros(velocities.shape[:2], dtype=np.int64))
+    return Ensemble(
+        configuration,
+        "hann",
+        "nsp",
+        configuration.wavenumbers,
+        velocities,
+        np.zeros(velocities.shape[:2], dtype=np.int64),
+    )
 
 
 def test_it_is_a_case_of_its_own():
@@ -40,8 +46,11 @@ def test_it_is_a_case_of_its_own():
 
 @pytest.mark.parametrize("configuration", SHEARED, ids=lambda c: c.id)
 def test_the_truth_is_eq_sj_of_the_profile_itself(configuration):
-    speeds = {"uniform": np.ones_like, "linear": lambda z: 1 + shear.SHEAR / shear.SURFACE * z,
-              "exponential": lambda z: np.exp(z / shear.DEPTH)}
+    speeds = {
+        "uniform": np.ones_like,
+        "linear": lambda z: 1 + shear.SHEAR / shear.SURFACE * z,
+        "exponential": lambda z: np.exp(z / shear.DEPTH),
+    }
     angle = np.radians(configuration.current_direction)
     unit = np.array([np.cos(angle), np.sin(angle)])
     profile = ProfileCurrent(lambda z: np.outer(shear.SURFACE * speeds[configuration.profile](z), unit))
@@ -56,8 +65,9 @@ def test_every_wave_is_shifted_by_its_own_velocity():
         k = np.hypot(waves.kx, waves.ky)
         shift = waves.kx, waves.ky
         own = small.depending_on_depth.doppler_shift_velocity(k)
-        np.testing.assert_allclose(waves.omega - DEEP.frequency(k), shift[0] * own[:, 0] + shift[1] * own[:, 1],
-                                   atol=1e-12)
+        np.testing.assert_allclose(
+            waves.omega - DEEP.frequency(k), shift[0] * own[:, 0] + shift[1] * own[:, 1], atol=1e-12
+        )
 
 
 def test_a_perfect_measurement_infers_the_true_shear():
@@ -102,9 +112,12 @@ def test_only_this_case_is_inferred_from():
 
 
 def test_the_answer_states_the_largest_and_smallest_share():
-    rows = [shear.Inferred(profile, 0.0, window, "nsp", band, true, true + part * added, 0.0, 0.0)
-            for window, part in (("box", 1.0), ("hann", 0.5)) for band in BANDS
-            for profile, true, added in (("uniform", 0.0, -0.02), ("linear", 0.1, 0.03), ("exponential", 0.2, -0.1))]
+    rows = [
+        shear.Inferred(profile, 0.0, window, "nsp", band, true, true + part * added, 0.0, 0.0)
+        for window, part in (("box", 1.0), ("hann", 0.5))
+        for band in BANDS
+        for profile, true, added in (("uniform", 0.0, -0.02), ("linear", 0.1, 0.03), ("exponential", 0.2, -0.1))
+    ]
     said = answer(rows)
     assert said.count("leakage adds to the true shear -50 to +30 % untapered and -25 to +15 % tapered") == 2
     assert said.count("one of up to 0.02 untapered and 0.01 tapered (c0 k0)") == 2
@@ -125,8 +138,23 @@ def test_measured_tapered_the_profile_is_seen_and_untapered_less_well():
 
 def test_it_is_reproduced_like_any_case(tmp_path):
     name = "shear/profile=linear,current_direction=0"
-    done = CliRunner().invoke(app, ["reproduce", name, "L-T/L=5,T=10", "--realizations", "2", "--workers", "1",
-                                    "--figures", "--out", str(tmp_path), "--json"], catch_exceptions=False)
+    done = CliRunner().invoke(
+        app,
+        [
+            "reproduce",
+            name,
+            "L-T/L=5,T=10",
+            "--realizations",
+            "2",
+            "--workers",
+            "1",
+            "--figures",
+            "--out",
+            str(tmp_path),
+            "--json",
+        ],
+        catch_exceptions=False,
+    )
     assert done.exit_code == 0
     found = json.loads(done.stdout)
     of_it = [case for case in found["cases"] if case["case"] == name]

@@ -10,8 +10,7 @@ import pytest
 
 from leakref import Components, Grid, LeakrefError, Note, Spectrum, analyse, fourier, leakage, nsp, shell_wavenumbers
 from leakref.dispersion import DEEP, Water
-from leakref.shell import (EDGE_MARGIN, HALF_WIDTH, Shell, checked_wavenumbers, collect, nothing, shell_at,
-                           velocity_unit)
+from leakref.shell import EDGE_MARGIN, HALF_WIDTH, Shell, checked_wavenumbers, collect, nothing, shell_at, velocity_unit
 
 
 def noise(grid: Grid, window: str = "box") -> Spectrum:
@@ -129,10 +128,15 @@ def test_notes_are_named_as_in_json():
 
 
 def test_nothing_is_nan_throughout_and_a_record_is_frozen():
-    record = collect("nsp", np.array([1.0, 2.0]), [nothing(Note.NO_SIGNAL),
-                                                   (np.ones(2), 3.0, np.zeros(2), -np.eye(2), 7, Note.FLAT)])
-    for array, shape in ((record.velocities, (2, 2)), (record.score, (2,)), (record.gradient, (2, 2)),
-                         (record.hessian, (2, 2, 2))):
+    record = collect(
+        "nsp", np.array([1.0, 2.0]), [nothing(Note.NO_SIGNAL), (np.ones(2), 3.0, np.zeros(2), -np.eye(2), 7, Note.FLAT)]
+    )
+    for array, shape in (
+        (record.velocities, (2, 2)),
+        (record.score, (2,)),
+        (record.gradient, (2, 2)),
+        (record.hessian, (2, 2, 2)),
+    ):
         assert array.shape == shape
         assert np.isnan(array[0]).all()
         assert np.isfinite(array[1]).all()
@@ -145,11 +149,18 @@ def test_nothing_is_nan_throughout_and_a_record_is_frozen():
 GRID = Grid((16, 12, 8), (0.7, 0.9, 0.5))
 
 
-@pytest.mark.parametrize(("wavenumber", "settings", "fault", "remedy"), [
-    (0.0, {}, "wavenumber = 0", "> 0"), (-1.0, {}, "wavenumber = -1", "> 0"), (np.nan, {}, "not finite", "remove"),
-    (1.0, {"half_width": -2}, "half_width = -2", "> 0"),
-    (3.0, {}, "past the Nyquist wavenumber", "ask for k below"), (50.0, {}, "past the Nyquist", "ask for k below"),
-    (0.3, {"half_width": 0.1}, "no bin lies within 0.1 dk", "widen the shell")])
+@pytest.mark.parametrize(
+    ("wavenumber", "settings", "fault", "remedy"),
+    [
+        (0.0, {}, "wavenumber = 0", "> 0"),
+        (-1.0, {}, "wavenumber = -1", "> 0"),
+        (np.nan, {}, "not finite", "remove"),
+        (1.0, {"half_width": -2}, "half_width = -2", "> 0"),
+        (3.0, {}, "past the Nyquist wavenumber", "ask for k below"),
+        (50.0, {}, "past the Nyquist", "ask for k below"),
+        (0.3, {"half_width": 0.1}, "no bin lies within 0.1 dk", "widen the shell"),
+    ],
+)
 def test_bad_shells_are_refused(wavenumber, settings, fault, remedy):
     with pytest.raises(LeakrefError) as caught:
         shell_at(noise(GRID), wavenumber, **settings)
@@ -165,9 +176,18 @@ def test_the_remedy_for_nyquist_is_one():
         shell_at(noise(GRID), (nyquist - 2 * dk) * (1 + 1e-6))
 
 
-@pytest.mark.parametrize(("wavenumbers", "fault"), [
-    ([], "empty"), ([1, np.nan], "not finite"), ([1, 0], "not positive"), ([-1], "not positive"),
-    ([[1.0]], "2 dimensions"), ("a", "numeric"), (None, "")])
+@pytest.mark.parametrize(
+    ("wavenumbers", "fault"),
+    [
+        ([], "empty"),
+        ([1, np.nan], "not finite"),
+        ([1, 0], "not positive"),
+        ([-1], "not positive"),
+        ([[1.0]], "2 dimensions"),
+        ("a", "numeric"),
+        (None, ""),
+    ],
+)
 def test_bad_wavenumbers_are_refused_by_the_call_that_was_made(wavenumbers, fault):
     with pytest.raises(LeakrefError) as caught:
         nsp.extract(noise(GRID), wavenumbers)

@@ -9,6 +9,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from test_architecture import EVERY, mentioned
 
 import leakref
 from leakref import altered, runs, sources
@@ -16,18 +17,55 @@ from leakref.certify.strength import study
 from leakref.claims import evidence, shifts
 from leakref.golden import entries
 
-from test_architecture import EVERY, mentioned
-
 HOUSE = Path(leakref.__file__).parent
 PROJECT = HOUSE.parent
-ENTRIES = ("leakref.runs", "leakref.claims.evidence", "leakref.claims.shifts", "leakref.certify.strength.study",
-           "leakref.golden.entries")
-CHAIN = {"leakref", *(f"leakref.{name}" for name in (
-    "_base", "grid", "dispersion", "currents", "sea", "synthesis", "window", "spectrum", "leakage", "shell", "nsp",
-    "leastsquares", "methods", "chain", "cases", "ensemble", "fast", "fast.spectra", "fast.score"))}
+ENTRIES = (
+    "leakref.runs",
+    "leakref.claims.evidence",
+    "leakref.claims.shifts",
+    "leakref.certify.strength.study",
+    "leakref.golden.entries",
+)
+CHAIN = {
+    "leakref",
+    *(
+        f"leakref.{name}"
+        for name in (
+            "_base",
+            "grid",
+            "dispersion",
+            "currents",
+            "sea",
+            "synthesis",
+            "window",
+            "spectrum",
+            "leakage",
+            "shell",
+            "nsp",
+            "leastsquares",
+            "methods",
+            "chain",
+            "cases",
+            "ensemble",
+            "fast",
+            "fast.spectra",
+            "fast.score",
+        )
+    ),
+}
 """Between a case of the paper and its velocities: known apart from what any code derives."""
-NEVER = {"leakref.cli", "leakref.figures", "leakref.paper.figures", "leakref.explain", "leakref.demo", "leakref.plugin",
-         "leakref.track.page", "leakref.certify.commands", "leakref.claims.pictures", "leakref.golden.commands"}
+NEVER = {
+    "leakref.cli",
+    "leakref.figures",
+    "leakref.paper.figures",
+    "leakref.explain",
+    "leakref.demo",
+    "leakref.plugin",
+    "leakref.track.page",
+    "leakref.certify.commands",
+    "leakref.claims.pictures",
+    "leakref.golden.commands",
+}
 
 
 @pytest.fixture(scope="module")
@@ -93,10 +131,17 @@ def test_another_version_of_a_library_is_another_digest(library, monkeypatch):
 
 SMALL = {
     "__init__": "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from small.lazy import Lazy\n"
-                "def __getattr__(name):\n    from small import never\n",
-    "lazy": "Lazy = 1", "never": "", "typed": "", "late": "from small import deep", "deep": "", "plain": "",
+    "def __getattr__(name):\n    from small import never\n",
+    "lazy": "Lazy = 1",
+    "never": "",
+    "typed": "",
+    "late": "from small import deep",
+    "deep": "",
+    "plain": "",
     "many/__init__": "import importlib\ndef load(n):\n    importlib.import_module(f'small.many.{n}')",
-    "many/one": "", "many/two": "import small.plain as p", "entry": "from typing import TYPE_CHECKING\n"
+    "many/one": "",
+    "many/two": "import small.plain as p",
+    "entry": "from typing import TYPE_CHECKING\n"
     "if TYPE_CHECKING:\n    from small import typed\nelse:\n    from small import Lazy\n"
     "def f():\n    import small.late\n    from small.many import load\n",
 }
@@ -113,8 +158,16 @@ def small(tmp_path):
 
 def test_every_form_of_import_is_read(small):
     assert set(sources.closure("small.entry", root=small)) == {
-        "small", "small.entry", "small.lazy", "small.late", "small.deep", "small.many", "small.many.one",
-        "small.many.two", "small.plain"}
+        "small",
+        "small.entry",
+        "small.lazy",
+        "small.late",
+        "small.deep",
+        "small.many",
+        "small.many.one",
+        "small.many.two",
+        "small.plain",
+    }
     assert set(sources.closure("small.many.two", root=small)) == {"small.many.two", "small.plain"}
     with pytest.raises(ModuleNotFoundError, match=r"no source of small\.nothing"):
         sources.closure("small.nothing", root=small)
@@ -123,8 +176,9 @@ def test_every_form_of_import_is_read(small):
 def test_reach_follows_definitions_and_not_annotations(small):
     (small / "lazy.py").write_text("from small import deep, late\nSTART = 1\ndef other():\n    return deep.x, late.y\n")
     (small / "late.py").write_text("y = 2")
-    (small / "entry.py").write_text("from small import lazy, plain\nfrom small.plain import P\n"
-                                    "def f(a: P) -> plain.Q:\n    return lazy.START\n")
+    (small / "entry.py").write_text(
+        "from small import lazy, plain\nfrom small.plain import P\ndef f(a: P) -> plain.Q:\n    return lazy.START\n"
+    )
     assert sources.reach("small.entry", small) == {"small.entry", "small.lazy"}
     (small / "entry.py").write_text("from small.lazy import other\nx = other()\n")
     assert sources.reach("small.entry", small) == {"small.entry", "small.lazy", "small.deep", "small.late"}
@@ -137,7 +191,10 @@ def test_compiled_modules_are_shared_unless_a_change_reaches_them():
     assert compiled["fast.spectra"] >= {"fast.spectra", "leakage", "spectrum", "window"}
     assert not compiled["fast.spectra"] & {"sea", "cases", "nsp"}
     assert {f"leakref.{name}" for name in altered._alterable("fast", "cases")} == CHAIN - {
-        "leakref", "leakref._base", "leakref.ensemble"}
+        "leakref",
+        "leakref._base",
+        "leakref.ensemble",
+    }
 
 
 def test_compiled_code_takes_nothing_from_another_module():

@@ -20,8 +20,12 @@ def every_bin(spectrum: Spectrum) -> dict[tuple[int, int, int], complex]:
     nt = spectrum.grid.shape[2]
     m = np.rint(np.fft.fftfreq(nt, 1 / nt)).astype(int).tolist()
     whole = spectrum.whole()
-    return {(int(i), int(j), n): whole[a, b, c] for a, i in enumerate(spectrum.i) for b, j in enumerate(spectrum.j)
-            for c, n in enumerate(m)}
+    return {
+        (int(i), int(j), n): whole[a, b, c]
+        for a, i in enumerate(spectrum.i)
+        for b, j in enumerate(spectrum.j)
+        for c, n in enumerate(m)
+    }
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -36,8 +40,10 @@ def test_every_bin_is_the_direct_sum_with_the_documented_sign(name, shape):
 
 
 @pytest.mark.parametrize("route", ["A", "B"])
-@pytest.mark.parametrize(("name", "weights"), [("box", [0, 0, 1, 0, 0]), ("hann", [0, -0.25, 0.5, -0.25, 0]),
-                                               ("blackman", [0.04, -0.25, 0.42, -0.25, 0.04])])
+@pytest.mark.parametrize(
+    ("name", "weights"),
+    [("box", [0, 0, 1, 0, 0]), ("hann", [0, -0.25, 0.5, -0.25, 0]), ("blackman", [0.04, -0.25, 0.42, -0.25, 0.04])],
+)
 @pytest.mark.parametrize("grid", RECTANGULAR, ids=str)
 def test_a_wave_on_a_bin_fills_1_27_or_125_bins_and_their_mirror_with_exact_weights(grid, name, weights, route):
     i, j, m = (2, -3, 2) if grid.shape[2] < 12 else (-3, 2, 5)
@@ -49,8 +55,9 @@ def test_a_wave_on_a_bin_fills_1_27_or_125_bins_and_their_mirror_with_exact_weig
             for b in range(5):
                 for c in range(5):
                     at = tuple(np.add(np.multiply(sign, (i, j, m)), (a - 2, b - 2, c - 2)) % grid.shape)
-                    expected[at] += (0.4 * np.exp(1.1j * sign) * weights[a] * weights[b] * weights[c]
-                                     * np.prod(grid.shape))
+                    expected[at] += (
+                        0.4 * np.exp(1.1j * sign) * weights[a] * weights[b] * weights[c] * np.prod(grid.shape)
+                    )
     found = spectrum.whole()
     lines = np.count_nonzero(weights) ** 3
     largest = np.abs(expected).max()
@@ -79,7 +86,8 @@ def test_whole_is_symmetric_and_its_energy_is_that_of_the_surface(shape):
     # Parseval, over the whole and over the half space with its weights (decision D5); some 300 terms
     assert (np.abs(whole) ** 2).sum() == pytest.approx((eta**2).sum() * eta.size, rel=1e-14)
     assert 2 * (np.abs(spectrum.values) ** 2 @ spectrum.half_weight).sum() == pytest.approx(
-        (eta**2).sum() * eta.size, rel=1e-14)
+        (eta**2).sum() * eta.size, rel=1e-14
+    )
 
 
 def test_axes_of_a_spectrum_are_those_of_its_bins():
@@ -132,12 +140,18 @@ def holding(value: float, shape=(4, 4, 4)) -> np.ndarray:
     return eta
 
 
-@pytest.mark.parametrize(("surface", "window", "call", "fault"), [
-    (holding(np.nan), "hann", "fourier", "1 of 64 values that are not finite"),
-    (holding(-np.inf), "hann", "fourier", "1 of 64"),
-    (np.zeros((4, 4, 4), dtype=complex), "hann", "fourier", "complex"),
-    (np.zeros((4, 4)), "hann", "fourier", "2 dimensions"), (np.zeros((4, 4, 4, 1)), "hann", "fourier", "4 dimensions"),
-    (np.zeros((4, 4, 5)), "hann", "fourier", "(4, 4, 5)"), (np.zeros((4, 4, 4)), "hanning", "window", "hanning")])
+@pytest.mark.parametrize(
+    ("surface", "window", "call", "fault"),
+    [
+        (holding(np.nan), "hann", "fourier", "1 of 64 values that are not finite"),
+        (holding(-np.inf), "hann", "fourier", "1 of 64"),
+        (np.zeros((4, 4, 4), dtype=complex), "hann", "fourier", "complex"),
+        (np.zeros((4, 4)), "hann", "fourier", "2 dimensions"),
+        (np.zeros((4, 4, 4, 1)), "hann", "fourier", "4 dimensions"),
+        (np.zeros((4, 4, 5)), "hann", "fourier", "(4, 4, 5)"),
+        (np.zeros((4, 4, 4)), "hanning", "window", "hanning"),
+    ],
+)
 def test_bad_surfaces_and_windows_are_refused(surface, window, call, fault):
     with pytest.raises(LeakrefError) as caught:
         fourier(surface, Grid((4, 4, 4), (1, 1, 1)), window)

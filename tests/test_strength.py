@@ -9,17 +9,16 @@ from scipy.stats import binomtest
 
 from leakref.altered import Change
 from leakref.certify.checks import inputs
-from leakref.certify.strength import faults
-from leakref.certify.strength import alarms, study
-from leakref.certify.runner import select
-from leakref.certify.strength.faults import FAULTS, Fault
-from leakref.certify.subject.inprocess import InProcess
 from leakref.certify.checks.registry import CHECKS, FAMILIES
 from leakref.certify.checks.statistics import excess, share
-from leakref.certify.strength.study import Job, classes, compute, fault_record, problems
+from leakref.certify.runner import select
+from leakref.certify.strength import alarms, faults, study
 from leakref.certify.strength.alarms import false_alarms
+from leakref.certify.strength.faults import FAULTS, Fault
 from leakref.certify.strength.fresh import _TURNS, fresh
+from leakref.certify.strength.study import Job, classes, compute, fault_record, problems
 from leakref.certify.strength.variants import VARIANTS
+from leakref.certify.subject.inprocess import InProcess
 from leakref.chain import reference
 
 FEW = (Job("fault", "two-thirds-energy"), Job("fault", "nan-as-number"))
@@ -32,8 +31,14 @@ def few(monkeypatch):
 
 
 def test_a_fault_that_changes_nothing_is_reported_as_surviving(monkeypatch):
-    idle = Fault("idle", "nsp", "synthesis", "nothing is wrong", (Change("nsp", "_FEW = 8", "_FEW = 9"),),
-                 witness=FAULTS["two-thirds-energy"].killing_input)
+    idle = Fault(
+        "idle",
+        "nsp",
+        "synthesis",
+        "nothing is wrong",
+        (Change("nsp", "_FEW = 8", "_FEW = 9"),),
+        witness=FAULTS["two-thirds-energy"].killing_input,
+    )
     monkeypatch.setitem(FAULTS, "idle", idle)
     record = fault_record(idle)
     assert record["killed_by"] is None
@@ -58,11 +63,22 @@ def test_a_wrong_code_among_the_variants_is_reported_as_rejected(monkeypatch):
 
 
 def test_too_small_an_effect_and_a_sound_fault_rejected_are_problems():
-    row = {"id": "x", "killed_by": "signs.a[b]", "effect_over_tolerance": 9.0, "witness": "signs.a[b]",
-           "family": "conformance", "kills": {"conformance": 9.0, "signs": 2.0}}
-    said = problems({"faults": [row], "variants": [],
-                     "families": [{"family": "scale", "meant": 0, "only": []}],
-                     "false_alarms": {"nominal": 1e-3, "at_margin": {"rate": 0.1, "interval": [0.09, 0.11]}}})
+    row = {
+        "id": "x",
+        "killed_by": "signs.a[b]",
+        "effect_over_tolerance": 9.0,
+        "witness": "signs.a[b]",
+        "family": "conformance",
+        "kills": {"conformance": 9.0, "signs": 2.0},
+    }
+    said = problems(
+        {
+            "faults": [row],
+            "variants": [],
+            "families": [{"family": "scale", "meant": 0, "only": []}],
+            "false_alarms": {"nominal": 1e-3, "at_margin": {"rate": 0.1, "interval": [0.09, 0.11]}},
+        }
+    )
     assert [line.split()[0] for line in said] == ["the", "the", "no", "false"]
     assert "9.0 times" in said[0]
     assert "signs rejects it" in said[1]
@@ -89,8 +105,10 @@ def test_the_study_goes_on_where_it_stopped(few, tmp_path, monkeypatch):
     monkeypatch.setattr(study, "compute", compute)
     assert study.study(work=tmp_path) == first
     other = next(tmp_path.rglob("fault-two*.json"))
-    for harm in (lambda text: text.replace('"effect_over_tolerance": ', '"effect_over_tolerance": 1'),
-                 lambda _: whole.read_text(encoding="utf-8")):
+    for harm in (
+        lambda text: text.replace('"effect_over_tolerance": ', '"effect_over_tolerance": 1'),
+        lambda _: whole.read_text(encoding="utf-8"),
+    ):
         text = other.read_text(encoding="utf-8")
         other.write_text(harm(text), encoding="utf-8")  # edited, and another's
         assert other.read_text(encoding="utf-8") != text
@@ -153,8 +171,10 @@ def test_the_turns_are_the_eight_of_the_square():
 
 
 def test_classes_are_faults_with_the_same_effects():
-    records = [{"id": name, "over": {"a": a, "b": b}} for name, a, b in
-               (("one", 5.0, 0.0), ("two", 5.001, 0.001), ("three", 5.2, 0.0), ("four", 5.0, 3.0))]
+    records = [
+        {"id": name, "over": {"a": a, "b": b}}
+        for name, a, b in (("one", 5.0, 0.0), ("two", 5.001, 0.001), ("three", 5.2, 0.0), ("four", 5.0, 3.0))
+    ]
     assert classes(records) == [["one", "two"]]
 
 
@@ -170,8 +190,14 @@ def test_false_alarms_of_well_behaved_errors_are_at_their_nominal_rate_at_most()
     select()
     rng = np.random.default_rng(4)
     names = alarms.seas()
-    errors = {name: {"nsp": 0.05 + 0.01 * rng.standard_normal(100), "ls": 0.08 + 0.02 * rng.standard_normal(100),
-                     "resolution": 0.04} for name in names}
+    errors = {
+        name: {
+            "nsp": 0.05 + 0.01 * rng.standard_normal(100),
+            "ls": 0.08 + 0.02 * rng.standard_normal(100),
+            "resolution": 0.04,
+        }
+        for name in names
+    }
     found = false_alarms(errors, 40_000)
     assert found["tests"] == 2 * len(CHECKS["leakage.bias"].cases)
     assert found["at_margin"]["interval"][0] <= 1e-3
@@ -181,8 +207,9 @@ def test_false_alarms_of_well_behaved_errors_are_at_their_nominal_rate_at_most()
 
 
 def test_a_statistic_that_alarms_too_often_is_seen():
-    said = problems({"faults": [], "variants": [], "false_alarms": {"nominal": 1e-3, "at_margin": alarms._rate(
-        300, 100_000)}})
+    said = problems(
+        {"faults": [], "variants": [], "false_alarms": {"nominal": 1e-3, "at_margin": alarms._rate(300, 100_000)}}
+    )
     assert said == ["false alarms are at 3.0e-03, above 0.001"]
     interval = binomtest(300, 100_000).proportion_ci(method="exact")
     assert alarms._rate(300, 100_000)["interval"] == [interval.low, interval.high]
@@ -193,7 +220,8 @@ def test_the_committed_result_is_of_this_list_and_holds():
     assert record["full"]
     assert record["problems"] == []
     assert {r["id"]: (r["family"], r["witness"]) for r in record["faults"]} == {
-        name: (fault.family, fault.killing_input) for name, fault in FAULTS.items()}
+        name: (fault.family, fault.killing_input) for name, fault in FAULTS.items()
+    }
     assert all(r["killed_by"].partition(".")[0] == r["family"] for r in record["faults"])
     assert min(r["effect_over_tolerance"] for r in record["faults"]) >= study.DISTINCT
     assert {v["id"]: v["rejected"] for v in record["variants"]} == dict.fromkeys(VARIANTS, 0)

@@ -16,8 +16,11 @@ X, Y, T = np.array([0.0, 0.3, 1.9, 2.0]), np.array([-1.0, 0.0, 0.4]), np.array([
 LATTICE = SeaState(length=1.5, spread=90).components(2)
 
 
-@pytest.mark.parametrize("components", [LATTICE, LATTICE.rotated(20, (1, 2)), Components(0.7, -1.1, -0.4, 2.0, 0.3)],
-                         ids=["lattice", "list", "one wave"])
+@pytest.mark.parametrize(
+    "components",
+    [LATTICE, LATTICE.rotated(20, (1, 2)), Components(0.7, -1.1, -0.4, 2.0, 0.3)],
+    ids=["lattice", "list", "one wave"],
+)
 def test_surface_is_the_triple_loop_at_any_coordinates(components):
     eta = synthesize(components, X, Y, T)
     assert eta.shape == (4, 3, 5)
@@ -46,8 +49,11 @@ def test_out_is_filled_and_returned():
     assert np.array_equal(out, synthesize(LATTICE, X, Y, T))
 
 
-@pytest.mark.parametrize(("x", "y", "t"), [(np.arange(30) * 0.2, np.arange(31) * 0.2, np.arange(100) * 0.1),
-                                           ([0.0], [0.0], np.arange(4000) * 0.1)], ids=["camera", "gauge"])
+@pytest.mark.parametrize(
+    ("x", "y", "t"),
+    [(np.arange(30) * 0.2, np.arange(31) * 0.2, np.arange(100) * 0.1), ([0.0], [0.0], np.arange(4000) * 0.1)],
+    ids=["camera", "gauge"],
+)
 def test_memory_beside_the_surface_is_bounded(x, y, t, monkeypatch):
     # at one gauge many times fit a block, and the lattice must not be copied for each of them
     monkeypatch.setattr(synthesis, "_BUFFER", 2**17)
@@ -95,9 +101,15 @@ def test_components_and_coordinates_are_left_alone():
     assert np.array_equal(first, second)
 
 
-@pytest.mark.parametrize(("arguments", "out", "fault"), [
-    (([], Y, T), None, "no samples"), ((X, [[0.0]], T), None, "y has shape (1, 1)"),
-    ((X, Y, [np.nan]), None, "t holds"), ((X, Y, T), np.empty((4, 3, 4)), "out has shape (4, 3, 4)")])
+@pytest.mark.parametrize(
+    ("arguments", "out", "fault"),
+    [
+        (([], Y, T), None, "no samples"),
+        ((X, [[0.0]], T), None, "y has shape (1, 1)"),
+        ((X, Y, [np.nan]), None, "t holds"),
+        ((X, Y, T), np.empty((4, 3, 4)), "out has shape (4, 3, 4)"),
+    ],
+)
 def test_bad_input_is_refused(arguments, out, fault):
     with pytest.raises(LeakrefError) as caught:
         synthesize(LATTICE, *arguments, out=out)

@@ -17,9 +17,18 @@ def outcome(monkeypatch, required, ask):
     return "there", ""
 
 
-@pytest.mark.parametrize(("required", "what"), [
-    ("", "Skipped"), ("octave", "Failed"), ("chromium, octave", "Failed"), ("chromium,iwave", "Skipped"),
-    ("g++", "Skipped"), ("octavo", "UsageError"), ("chromium octave", "UsageError")])
+@pytest.mark.parametrize(
+    ("required", "what"),
+    [
+        ("", "Skipped"),
+        ("octave", "Failed"),
+        ("chromium, octave", "Failed"),
+        ("chromium,iwave", "Skipped"),
+        ("g++", "Skipped"),
+        ("octavo", "UsageError"),
+        ("chromium octave", "UsageError"),
+    ],
+)
 def test_a_program_that_is_absent(monkeypatch, required, what):
     said, reason = outcome(monkeypatch, required, lambda: tools.requires("no-such-program", "octave"))
     assert said == what

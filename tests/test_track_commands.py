@@ -12,9 +12,9 @@ from io import StringIO
 import pytest
 from tools import requires
 
-from leakref.track import history, page
 from leakref.certify import scaffold
 from leakref.cli.base import app
+from leakref.track import history, page
 
 CODE = """
 from leakref import extract
@@ -60,7 +60,9 @@ def test_an_entry_says_what_was_measured(team):
     assert a["source"]["of"] == "mycode.py"
     assert a["source"]["sha256"] != b["source"]["sha256"]
     assert [(m["case"], m["window"], m["method"]) for m in a["measurements"]] == [
-        ("small", "box", "nsp"), ("small", "hann", "nsp")]  # it names no methods: it has one
+        ("small", "box", "nsp"),
+        ("small", "hann", "nsp"),
+    ]  # it names no methods: it has one
     assert all("errors" not in m and len(m["bias"]) == len(m["wavenumbers"]) for m in a["measurements"])
     kept = history.read(place / "leakref-history.jsonl")
     assert kept.faults == ()
@@ -121,8 +123,9 @@ def test_another_case_of_the_same_name_is_not_compared(team, tmp_path):
     kept = history.read(place / "leakref-history.jsonl").entries
     for label, entry in zip(("a", "b"), kept, strict=True):
         fields = {k: v for k, v in entry.record.items() if k not in ("schema", "digest", "after", "label")}
-        measured = [{**m, "case_sha256": m["case_sha256"] if label == "a" else "f" * 64}
-                    for m in fields["measurements"]]
+        measured = [
+            {**m, "case_sha256": m["case_sha256"] if label == "a" else "f" * 64} for m in fields["measurements"]
+        ]
         history.append(tmp_path / "h.jsonl", {**fields, "label": label, "measurements": measured})
     done = leakref("compare", "a", "b", "--history", "h.jsonl", cwd=tmp_path)
     assert done.returncode == 3
@@ -176,8 +179,10 @@ def test_a_program_in_another_language(tmp_path, monkeypatch):
 
 def test_a_target_that_does_not_answer_is_exit_3_and_not_recorded(tmp_path):
     for name, condition in (("broken", "True"), ("small_only", "surface.size > 5000")):
-        (tmp_path / f"{name}.py").write_text(f"def code(surface, spacing, wavenumbers):\n    if {condition}:\n"
-                                             "        raise RuntimeError('no')\n    return [(0.0, 0.0)]\n")
+        (tmp_path / f"{name}.py").write_text(
+            f"def code(surface, spacing, wavenumbers):\n    if {condition}:\n"
+            "        raise RuntimeError('no')\n    return [(0.0, 0.0)]\n"
+        )
         done = leakref("record", f"{name}:code", "--case", "small", "--realizations", 2, cwd=tmp_path)
         assert done.returncode == 3
     assert "Nothing was recorded" in done.stderr
@@ -186,18 +191,25 @@ def test_a_target_that_does_not_answer_is_exit_3_and_not_recorded(tmp_path):
     assert not (tmp_path / "leakref-history.jsonl").exists()
 
 
-@pytest.mark.parametrize(("words", "said"), [
-    (["record"], "no target was given"), (["record", ""], "no target was given"),
-    (["record", "reference", "--command", "x"], "a target and a --command"),
-    (["record", "reference", "--label", "last"], "'last' cannot be used"),
-    (["record", "reference", "--label", ""], "the label is empty"),
-    (["record", "reference", "--case", "L-T"], "has 9 configurations"),
-    (["record", "reference", "--case", "nonsense"], "no case is called"),
-    (["record", "reference", "--timings", "x.json"], "without --yardstick"),
-    (["record", "reference", "--timings", "x.json", "--yardstick", "y"], "x.json cannot be read"),
-    (["record", "nonsense:x", "--case", "small"], "no module 'nonsense'"),
-    (["compare", "a", "b"], "cannot be read"), (["compare", "a"], "Missing argument"), (["plot"], "cannot be read"),
-    (["check"], "cannot be read")])
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["record"], "no target was given"),
+        (["record", ""], "no target was given"),
+        (["record", "reference", "--command", "x"], "a target and a --command"),
+        (["record", "reference", "--label", "last"], "'last' cannot be used"),
+        (["record", "reference", "--label", ""], "the label is empty"),
+        (["record", "reference", "--case", "L-T"], "has 9 configurations"),
+        (["record", "reference", "--case", "nonsense"], "no case is called"),
+        (["record", "reference", "--timings", "x.json"], "without --yardstick"),
+        (["record", "reference", "--timings", "x.json", "--yardstick", "y"], "x.json cannot be read"),
+        (["record", "nonsense:x", "--case", "small"], "no module 'nonsense'"),
+        (["compare", "a", "b"], "cannot be read"),
+        (["compare", "a"], "Missing argument"),
+        (["plot"], "cannot be read"),
+        (["check"], "cannot be read"),
+    ],
+)
 def test_wrong_use_exits_2_with_one_message(words, said, tmp_path):
     done = leakref(*words, cwd=tmp_path)
     assert done.returncode == 2
@@ -206,9 +218,14 @@ def test_wrong_use_exits_2_with_one_message(words, said, tmp_path):
     assert not done.stdout
 
 
-@pytest.mark.parametrize(("words", "said"), [(["1.0", "2.0"], "no entry '2.0'; there are 1.0, 1.1"),
-                                             (["1.0", "1.0"], "are the same entry"),
-                                             (["1.0", "1.1", "--margin", "0"], "margin")])
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["1.0", "2.0"], "no entry '2.0'; there are 1.0, 1.1"),
+        (["1.0", "1.0"], "are the same entry"),
+        (["1.0", "1.1", "--margin", "0"], "margin"),
+    ],
+)
 def test_wrong_names_exit_2(team, words, said):
     done = leakref("compare", *words, cwd=team[0])
     assert done.returncode == 2
@@ -218,11 +235,19 @@ def test_wrong_names_exit_2(team, words, said):
 def test_timings_are_recorded_and_compared(tmp_path):
     for label, seconds in (("a", 0.5), ("b", 1.0)):
         stats = {"iqr": 0.001, "rounds": 100}
-        (tmp_path / "bench.json").write_text(json.dumps({"benchmarks": [
-            {"fullname": "t.py::test_fft", "stats": {"median": 0.1, **stats}},
-            {"fullname": "t.py::test_chain", "stats": {"median": seconds, **stats}}]}))
-        record("reference", "--label", label, "--timings", "bench.json", "--yardstick", "test_fft", cwd=tmp_path,
-               count=2)
+        (tmp_path / "bench.json").write_text(
+            json.dumps(
+                {
+                    "benchmarks": [
+                        {"fullname": "t.py::test_fft", "stats": {"median": 0.1, **stats}},
+                        {"fullname": "t.py::test_chain", "stats": {"median": seconds, **stats}},
+                    ]
+                }
+            )
+        )
+        record(
+            "reference", "--label", label, "--timings", "bench.json", "--yardstick", "test_fft", cwd=tmp_path, count=2
+        )
     done = leakref("compare", "a", "b", "--json", cwd=tmp_path)
     (row,) = json.loads(done.stdout)["timings"]
     assert (row["name"], row["verdict"]) == ("t.py::test_chain", "slower")

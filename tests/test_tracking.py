@@ -9,15 +9,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.stats import t as student, ttest_ind
+from scipy.stats import t as student
+from scipy.stats import ttest_ind
 
 from leakref import LeakrefError, runs
-from leakref.track import changes, history, tracking
 from leakref.cases import configurations
 from leakref.certify.subject.inprocess import InProcess
 from leakref.chain import reference
-from leakref.track.changes import ALPHA, ANSWERS, BANDS, LOST, MARGIN, POWER, compare, in_band
 from leakref.sea import SeaState
+from leakref.track import changes, history, tracking
+from leakref.track.changes import ALPHA, ANSWERS, BANDS, LOST, MARGIN, POWER, compare, in_band
 from leakref.track.timings import SLOWER, compare_timings, timings
 from leakref.track.tracking import PAPER, Series, scene
 
@@ -40,6 +41,7 @@ def rows(found, verdict):
 
 
 # ------------------------------------------------------------ what is recorded
+
 
 @pytest.fixture(scope="module")
 def recorded():
@@ -189,6 +191,7 @@ def test_an_entry_says_what_it_was_measured_with():
 
 
 # ------------------------------------------------------------ what is made of two
+
 
 def test_a_rise_of_5_percent_of_the_resolution_in_one_band_is_seen_and_nothing_else():
     """In whichever band, in pairs of a hundred realisations; evenly, and as scattered as an exponential."""
@@ -352,9 +355,17 @@ def test_bands_cover_every_wavenumber_once():
     assert in_band(k * (1 + 1e-12), 0.8, 1.2).tolist() == in_band(k * (1 - 1e-12), 0.8, 1.2).tolist()
 
 
-@pytest.mark.parametrize(("interval", "said"), [((0.2, 0.3), "worse"), ((-0.3, -0.2), "better"), ((-0.1, 0.1), "equal"),
-                                                ((0.05, 0.2), "undecided"), ((-0.2, 0.2), "undecided"),
-                                                ((-np.inf, np.inf), "undecided")])
+@pytest.mark.parametrize(
+    ("interval", "said"),
+    [
+        ((0.2, 0.3), "worse"),
+        ((-0.3, -0.2), "better"),
+        ((-0.1, 0.1), "equal"),
+        ((0.05, 0.2), "undecided"),
+        ((-0.2, 0.2), "undecided"),
+        ((-np.inf, np.inf), "undecided"),
+    ],
+)
 def test_verdicts(interval, said):
     assert changes.verdict(*interval, 0.1) == said
 
@@ -366,10 +377,17 @@ def test_a_margin_of_nothing_is_refused():
 
 # ------------------------------------------------------------ timings
 
+
 def benchmarks(**medians):
-    return {"benchmarks": [{"fullname": f"tests/test_some.py::{name}",
-                            "stats": {"median": median, "iqr": 0.01 * median, "rounds": rounds}}
-                           for name, (median, rounds) in medians.items()]}
+    return {
+        "benchmarks": [
+            {
+                "fullname": f"tests/test_some.py::{name}",
+                "stats": {"median": median, "iqr": 0.01 * median, "rounds": rounds},
+            }
+            for name, (median, rounds) in medians.items()
+        ]
+    }
 
 
 def test_timings_are_ratios_to_a_workload_of_the_same_run():
@@ -385,14 +403,21 @@ def test_timings_are_ratios_to_a_workload_of_the_same_run():
     assert compare_timings(a, None) == compare_timings(a, {**a, "yardstick": "another"}) == []
 
 
-@pytest.mark.parametrize(("given", "said"), [({}, "no JSON of pytest-benchmark"), (benchmarks(x=(0.0, 5)), "division"),
-                                             (benchmarks(x=(1.0, 5)), "0 benchmarks are called 'fft'")])
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({}, "no JSON of pytest-benchmark"),
+        (benchmarks(x=(0.0, 5)), "division"),
+        (benchmarks(x=(1.0, 5)), "0 benchmarks are called 'fft'"),
+    ],
+)
 def test_bad_timings_are_refused(given, said):
     with pytest.raises(LeakrefError, match=said):
         timings(given, "fft")
 
 
 # ------------------------------------------------------------ what is committed
+
 
 def test_the_committed_share_of_alarms_is_as_declared():
     kept = json.loads(resources.files("leakref._golden").joinpath("tracking.json").read_text(encoding="utf-8"))
@@ -421,7 +446,12 @@ def test_the_null_study_counts_what_it_says(monkeypatch):
     assert vars(falsealarms._tally(quiet)) == {"runs": 9, "alarms": 0, "misses": 0, "configurations": 3, "alarmed": 0}
     loud = compare(series, [replace(series[0], errors=series[0].errors + 1)])
     assert vars(falsealarms._tally([[loud, quiet[0][0]], quiet[0]])) == {
-        "runs": 5, "alarms": 1, "misses": 1, "configurations": 2, "alarmed": 1}
+        "runs": 5,
+        "alarms": 1,
+        "misses": 1,
+        "configurations": 2,
+        "alarmed": 1,
+    }
     halves = falsealarms._halves(series, rng)
     assert {c.paired for c in halves.changes} == {False}
     assert {c.count for c in halves.changes} == {R // 2}
@@ -432,7 +462,8 @@ def test_the_committed_history_is_whole_and_of_these_cases():
     assert kept.faults == ()
     last = kept.entry("last")
     assert {one["case"]: one["case_sha256"] for one in last.record["measurements"]} == {
-        name: scene(name).digest for name in PAPER}
+        name: scene(name).digest for name in PAPER
+    }
     assert {len(one["errors"]) for one in last.record["measurements"]} == {R}
 
 
@@ -443,5 +474,3 @@ def test_the_committed_history_is_reproduced():
     for one in tracking.measure_reference([scene(PAPER[0])], range(2)):
         both = np.isfinite(one.errors)
         np.testing.assert_allclose(one.errors[both], before[one.key].errors[:2][both], atol=1.1e-6)
-
-

@@ -5,9 +5,9 @@ import pytest
 
 import leakref
 from leakref import LeakrefError
-from leakref.certify.subject.inprocess import InProcess
 from leakref.certify.strength.study import variant_record
 from leakref.certify.strength.variants import VARIANTS, implementation
+from leakref.certify.subject.inprocess import InProcess
 
 BRIEF = ("y-downwards", "half-space", "single-precision", "band")
 

@@ -89,8 +89,10 @@ def test_the_reference_gives_the_same_bits_in_both_processes():
         assert there.declaration == here.declaration
         for window in ("box", "hann"):
             for method in ("nsp", "ls"):
-                answers = [s.extract(SURFACE, GRID.spacing, [0.8, 0.9], window=window, method=method).values
-                           for s in (here, there)]
+                answers = [
+                    s.extract(SURFACE, GRID.spacing, [0.8, 0.9], window=window, method=method).values
+                    for s in (here, there)
+                ]
                 assert np.array_equal(*answers)
                 assert np.isfinite(answers[0]).all()
             assert np.array_equal(*(s.spectrum(SURFACE, GRID.spacing, window) for s in (here, there)))
@@ -135,11 +137,17 @@ def test_a_bare_function_is_asked_for_no_more_than_it_takes(folder):
     assert found.declined.tolist() == [True, False]
 
 
-@pytest.mark.parametrize(("target", "words", "broken"), [
-    ("no_such_module:code", "there is no module 'no_such_module'", False),
-    ("small_code:none", "small_code has no 'none'", False), ("failing_code:x", "ValueError: ", False),
-    ("fault:no-such-fault", "no-such-fault", False),
-    ("small_code:nothing", "offers none of window", True), ("small_code:Broken", "declares axes = 'abc'", True)])
+@pytest.mark.parametrize(
+    ("target", "words", "broken"),
+    [
+        ("no_such_module:code", "there is no module 'no_such_module'", False),
+        ("small_code:none", "small_code has no 'none'", False),
+        ("failing_code:x", "ValueError: ", False),
+        ("fault:no-such-fault", "no-such-fault", False),
+        ("small_code:nothing", "offers none of window", True),
+        ("small_code:Broken", "declares axes = 'abc'", True),
+    ],
+)
 def test_a_target_that_is_none_is_wrong_use_and_one_that_offers_nothing_cannot_be_judged(folder, target, words, broken):
     with pytest.raises(LeakrefError) as refused, connect(target):
         pass

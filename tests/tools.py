@@ -10,7 +10,6 @@ from typing import NoReturn
 
 import pytest
 
-
 REQUIRABLE = {"octave", "chromium", "iwave", "g++", "make"}
 """What LEAKREF_REQUIRE may name, with commas between: where it is absent its tests fail instead of skipping."""
 
@@ -46,14 +45,20 @@ def peak_memory(code: str) -> int:
     Linux hands the peak of getrusage down from parent to child, so that a large test run before this one would
     count; VmHWM belongs to the process alone.
     """
-    report = ("\nimport resource, sys\n"
-              "peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == 'darwin' else 1024)\n"
-              "try:\n"
-              "    status = open('/proc/self/status').read()\n"
-              "    peak = 1024 * int(status.partition('VmHWM:')[2].split()[0])\n"
-              "except (OSError, IndexError):\n"
-              "    pass\n"
-              "print(peak)")
-    done = subprocess.run([sys.executable, "-W", "ignore::ResourceWarning", "-c", code + report], capture_output=True,
-                          text=True, check=True)
+    report = (
+        "\nimport resource, sys\n"
+        "peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == 'darwin' else 1024)\n"
+        "try:\n"
+        "    status = open('/proc/self/status').read()\n"
+        "    peak = 1024 * int(status.partition('VmHWM:')[2].split()[0])\n"
+        "except (OSError, IndexError):\n"
+        "    pass\n"
+        "print(peak)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-W", "ignore::ResourceWarning", "-c", code + report],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
     return int(done.stdout.split()[-1])

@@ -17,9 +17,19 @@ from scipy import fft
 
 from leakref import chain, fast, leakage, runs
 from leakref._output import dump, envelope, folder, progress_bar, write_whole
+from leakref.bench.limits import (
+    MATRIX,
+    MATRIX_ONE,
+    MEMORY,
+    Machine,
+    closed_form_products,
+    fast_products,
+    fft_traffic,
+    magnitudes_traffic,
+    seconds,
+    synthesis_products,
+)
 from leakref.cases import Configuration, configurations
-from leakref.bench.limits import (MATRIX, MATRIX_ONE, MEMORY, Machine, closed_form_products, fast_products, fft_traffic,
-                            magnitudes_traffic, seconds, synthesis_products)
 from leakref.methods import METHODS
 from leakref.sea import Components
 from leakref.shell import HALF_WIDTH, Extraction
@@ -51,8 +61,7 @@ def literal(configuration: Configuration, realization: int) -> dict[tuple[str, s
     """One realisation by the plain chain: route A, the whole Nyquist range, SciPy's Nelder-Mead, all threads."""
     k = configuration.wavenumbers
     spectra = chain.transform(configuration.components(realization), configuration.grid, configuration.windows)
-    return {(s.window, method): chain.analyse(s, k, method=method, search=False)
-            for s in spectra for method in METHODS}
+    return {(s.window, method): chain.analyse(s, k, method=method, search=False) for s in spectra for method in METHODS}
 
 
 def _stages(configuration: Configuration, machine: Machine) -> list[Row]:
@@ -62,13 +71,18 @@ def _stages(configuration: Configuration, machine: Machine) -> list[Row]:
     reach = _reach(configuration)
     spectrum = leakage.spectrum(waves, grid, "hann", largest_wavenumber=reach)
     one_thread = seconds(lambda: fourier(surface, grid, "hann", workers=1), 1)
-    t = {"synthesis": seconds(lambda: synthesize(waves, *axes, out=surface)),
-         "fft": seconds(lambda: fourier(surface, grid, "hann")),
-         "closed": seconds(lambda: [leakage.spectrum(waves, grid, w, largest_wavenumber=reach) for w in _WINDOWS]),
-         "spectra": _fast(configuration, methods=())}
-    parts: dict[str, dict[str, Any]] = {"none": {"methods": ()}, "ls": {"methods": ("ls",)},
-                                        "searched": {"methods": ("nsp",)},
-                                        "nsp": {"methods": ("nsp",), "search": False}}
+    t = {
+        "synthesis": seconds(lambda: synthesize(waves, *axes, out=surface)),
+        "fft": seconds(lambda: fourier(surface, grid, "hann")),
+        "closed": seconds(lambda: [leakage.spectrum(waves, grid, w, largest_wavenumber=reach) for w in _WINDOWS]),
+        "spectra": _fast(configuration, methods=()),
+    }
+    parts: dict[str, dict[str, Any]] = {
+        "none": {"methods": ()},
+        "ls": {"methods": ("ls",)},
+        "searched": {"methods": ("nsp",)},
+        "nsp": {"methods": ("nsp",), "search": False},
+    }
     least = {name: _fast(configuration, 15, min, **settings) for name, settings in parts.items()}  # for differences
     literal_nsp = seconds(lambda: chain.analyse(spectrum, k, search=False), 1)
     literal_ls = seconds(lambda: chain.analyse(spectrum, k, method="ls"))
@@ -77,37 +91,66 @@ def _stages(configuration: Configuration, machine: Machine) -> list[Row]:
     def row(name: str, time: float, limit: str, asked: float, against: str = "", ratio: float | None = None) -> Row:
         return Row(name, time, against, ratio, machine.share(limit, asked, time), limit)
 
-    nsp, searched, ls = ((least[name] - least[less]) / len(_WINDOWS)
-                         for name, less in (("nsp", "none"), ("searched", "nsp"), ("ls", "none")))
-    return [row("synthesis of the surface", t["synthesis"], MATRIX, synthesis_products(waves, grid.shape)),
-            row("taper and FFT of the surface, all threads", t["fft"], MEMORY, fft_traffic(grid.shape), "one thread",
-                one_thread / t["fft"]),
-            row("spectra of both windows, closed form", t["closed"], MATRIX,
-                closed_form_products(waves, grid, reach, len(_WINDOWS)), "surface and two FFTs",
-                (t["synthesis"] + 2 * t["fft"]) / t["closed"]),
-            row("spectra of both windows, fast", t["spectra"], MATRIX_ONE, fast_products(waves, grid, reach),
-                "closed form", t["closed"] / t["spectra"]),
-            row("NSP of one window, literal", literal_nsp, MEMORY, read),
-            row("NSP of one window, fast", nsp, MEMORY, read, "literal", literal_nsp / nsp),
-            row("search for other basins, one window, fast", searched, MEMORY, read),
-            row("LS of one window, literal", literal_ls, MEMORY, read, "NSP of the same shells, literal",
-                literal_nsp / literal_ls),
-            row("LS of one window, fast", ls, MEMORY, read, "NSP of the same shells, fast", nsp / ls)]
+    nsp, searched, ls = (
+        (least[name] - least[less]) / len(_WINDOWS)
+        for name, less in (("nsp", "none"), ("searched", "nsp"), ("ls", "none"))
+    )
+    return [
+        row("synthesis of the surface", t["synthesis"], MATRIX, synthesis_products(waves, grid.shape)),
+        row(
+            "taper and FFT of the surface, all threads",
+            t["fft"],
+            MEMORY,
+            fft_traffic(grid.shape),
+            "one thread",
+            one_thread / t["fft"],
+        ),
+        row(
+            "spectra of both windows, closed form",
+            t["closed"],
+            MATRIX,
+            closed_form_products(waves, grid, reach, len(_WINDOWS)),
+            "surface and two FFTs",
+            (t["synthesis"] + 2 * t["fft"]) / t["closed"],
+        ),
+        row(
+            "spectra of both windows, fast",
+            t["spectra"],
+            MATRIX_ONE,
+            fast_products(waves, grid, reach),
+            "closed form",
+            t["closed"] / t["spectra"],
+        ),
+        row("NSP of one window, literal", literal_nsp, MEMORY, read),
+        row("NSP of one window, fast", nsp, MEMORY, read, "literal", literal_nsp / nsp),
+        row("search for other basins, one window, fast", searched, MEMORY, read),
+        row(
+            "LS of one window, literal",
+            literal_ls,
+            MEMORY,
+            read,
+            "NSP of the same shells, literal",
+            literal_nsp / literal_ls,
+        ),
+        row("LS of one window, fast", ls, MEMORY, read, "NSP of the same shells, fast", nsp / ls),
+    ]
 
 
 def _reach(configuration: Configuration) -> float:
     return float(configuration.wavenumbers[-1] + (HALF_WIDTH + 1) * configuration.grid.wavenumber_resolution)
 
 
-def _share(machine: Machine, configuration: Configuration, time: float, count: int = 1,
-           limit: str = MATRIX_ONE) -> dict[str, Any]:
+def _share(
+    machine: Machine, configuration: Configuration, time: float, count: int = 1, limit: str = MATRIX_ONE
+) -> dict[str, Any]:
     """Of `count` fast realisations in `time`: the products of their spectra, which bound them, over the limit."""
     asked = count * fast_products(configuration.components(0), configuration.grid, _reach(configuration))
     return {"share": machine.share(limit, asked, time), "limit": limit}
 
 
-def _fast(configuration: Configuration, repeats: int = 5, pick: Callable[[list[float]], float] = median,
-          **settings: Any) -> float:
+def _fast(
+    configuration: Configuration, repeats: int = 5, pick: Callable[[list[float]], float] = median, **settings: Any
+) -> float:
     waves = configuration.components(0)
     grid, k = configuration.grid, configuration.wavenumbers
     with runs.one_thread():
@@ -118,8 +161,9 @@ def _realization(configuration: Configuration, machine: Machine) -> Row:
     """The row others read: literal over fast, both without the search for other basins; the fast one on one thread."""
     quick = _fast(configuration, 31, search=False)
     slow = seconds(lambda: literal(configuration, 0), 1)
-    return Row("realization", quick, "literal chain, all threads", slow / quick,
-               **_share(machine, configuration, quick))
+    return Row(
+        "realization", quick, "literal chain, all threads", slow / quick, **_share(machine, configuration, quick)
+    )
 
 
 def _growth(base: Configuration, machine: Machine) -> list[Row]:
@@ -129,20 +173,35 @@ def _growth(base: Configuration, machine: Machine) -> list[Row]:
         grown: list[dict[str, Any]] = [{name: value} for value in values]
         times = [_fast(replace(base, **one), 1 if max(one.values()) >= 20 else 3) for one in grown]
         power = np.polyfit(np.log(values), np.log(times), 1)[0]
-        rows += [Row(f"realization at {name} {value:g}", time, f"{name} {values[0]:g}; cost grows as power {power:.1f}",
-                     times[0] / time, **_share(machine, replace(base, **one), time))
-                 for one, value, time in zip(grown, values, times, strict=True)]
+        rows += [
+            Row(
+                f"realization at {name} {value:g}",
+                time,
+                f"{name} {values[0]:g}; cost grows as power {power:.1f}",
+                times[0] / time,
+                **_share(machine, replace(base, **one), time),
+            )
+            for one, value, time in zip(grown, values, times, strict=True)
+        ]
     small = replace(base, length=5.0, duration=10.0)
     times = [seconds(partial(_run, small, count), 1) for count in (20, 80)]
     power = np.log(times[1] / times[0]) / np.log(4)
-    rows.append(Row("80 small realizations", times[1], f"20 of them; cost grows as power {power:.2f}",
-                    times[0] / times[1], **_share(machine, small, times[1], 80)))
+    rows.append(
+        Row(
+            "80 small realizations",
+            times[1],
+            f"20 of them; cost grows as power {power:.2f}",
+            times[0] / times[1],
+            **_share(machine, small, times[1], 80),
+        )
+    )
     with runs.pool(2) as executor:
         list(runs.run([base], realizations=4, executor=executor))  # workers started and compiled
         two = seconds(lambda: list(runs.run([base], realizations=40, executor=executor)), 1)
     one = seconds(lambda: list(runs.run([base], realizations=40)), 1)
-    rows.append(Row("40 realizations, two workers", two, "one worker", one / two,
-                    **_share(machine, base, two, 40, MATRIX)))
+    rows.append(
+        Row("40 realizations, two workers", two, "one worker", one / two, **_share(machine, base, two, 40, MATRIX))
+    )
     return rows
 
 
@@ -165,8 +224,16 @@ def _alternatives(configuration: Configuration, machine: Machine) -> list[Row]:
     waves, axes = small.components(0), [small.grid.samples(axis) for axis in range(3)]
     ours = seconds(lambda: synthesize(waves, *axes))
     share = machine.share(MATRIX, synthesis_products(waves, small.grid.shape), ours)
-    rows = [Row("synthesis of a small surface", ours, "wave by wave", seconds(lambda: _direct(waves, *axes), 1) / ours,
-                share, MATRIX)]
+    rows = [
+        Row(
+            "synthesis of a small surface",
+            ours,
+            "wave by wave",
+            seconds(lambda: _direct(waves, *axes), 1) / ours,
+            share,
+            MATRIX,
+        )
+    ]
     waves, grid = configuration.components(0), configuration.grid
     axes = [grid.samples(axis) for axis in range(3)]
     ours = seconds(lambda: synthesize(waves, *axes), 1)
@@ -176,15 +243,26 @@ def _alternatives(configuration: Configuration, machine: Machine) -> list[Row]:
             library = importlib.import_module(package)
         except ModuleNotFoundError:
             continue
-        rows.append(Row("synthesis of the surface", ours, f"{package}, one 2D transform a frame, to 1e-12",
-                        seconds(partial(work, library, waves, grid, axes[2]), 1) / ours, share, MATRIX))
+        rows.append(
+            Row(
+                "synthesis of the surface",
+                ours,
+                f"{package}, one 2D transform a frame, to 1e-12",
+                seconds(partial(work, library, waves, grid, axes[2]), 1) / ours,
+                share,
+                MATRIX,
+            )
+        )
     cube = np.random.default_rng(0).standard_normal(grid.shape)
     ours = seconds(lambda: fourier(cube, grid, "box"))
     share = machine.share(MEMORY, fft_traffic(grid.shape), ours)
-    others = {"numpy.fft.rfftn": lambda: np.fft.rfftn(cube),
-              "scipy.fft.fftn, complex, all threads": lambda: fft.fftn(cube, workers=-1)}
-    return rows + [Row("FFT of the surface", ours, name, seconds(work, 1) / ours, share, MEMORY)
-                   for name, work in others.items()]
+    others = {
+        "numpy.fft.rfftn": lambda: np.fft.rfftn(cube),
+        "scipy.fft.fftn, complex, all threads": lambda: fft.fftn(cube, workers=-1),
+    }
+    return rows + [
+        Row("FFT of the surface", ours, name, seconds(work, 1) / ours, share, MEMORY) for name, work in others.items()
+    ]
 
 
 def _finufft(library: Any, waves: Components, grid: Any, times: np.ndarray) -> None:
@@ -198,8 +276,15 @@ def _ducc(library: Any, waves: Components, grid: Any, times: np.ndarray) -> None
     position = np.stack([waves.kx * grid.spacing[0], waves.ky * grid.spacing[1]], axis=1)
     for t in times:
         strength = waves.amplitude * np.exp(1j * (waves.phase - waves.omega * t))
-        library.nufft.nu2u(points=strength, coord=position, out=np.empty(grid.shape[:2], complex), forward=False,
-                           epsilon=1e-12, nthreads=0, periodicity=2 * np.pi)
+        library.nufft.nu2u(
+            points=strength,
+            coord=position,
+            out=np.empty(grid.shape[:2], complex),
+            forward=False,
+            epsilon=1e-12,
+            nthreads=0,
+            periodicity=2 * np.pi,
+        )
 
 
 def measure(after_each: Callable[[], object] = lambda: None) -> list[Row]:
@@ -207,8 +292,12 @@ def measure(after_each: Callable[[], object] = lambda: None) -> list[Row]:
     configuration = configurations(["nsp-ls"])[0]
     machine = Machine.measured()
     rows = []
-    for part in (lambda: [_realization(configuration, machine)], lambda: _stages(configuration, machine),
-                 lambda: _growth(configuration, machine), lambda: _alternatives(configuration, machine)):
+    for part in (
+        lambda: [_realization(configuration, machine)],
+        lambda: _stages(configuration, machine),
+        lambda: _growth(configuration, machine),
+        lambda: _alternatives(configuration, machine),
+    ):
         rows += part()
         after_each()
     return rows
@@ -226,12 +315,22 @@ def run(out: Path, *, json: bool = False) -> bool:
         print(dump(result))
         return True
     table = Table(title="Medians of one run", caption="ratio: how many times as long the other takes")
-    for name, justify in (("stage", "left"), ("seconds", "right"), ("ratio", "right"), ("against", "left"),
-                          ("share of the limit", "left")):
+    for name, justify in (
+        ("stage", "left"),
+        ("seconds", "right"),
+        ("ratio", "right"),
+        ("against", "left"),
+        ("share of the limit", "left"),
+    ):
         table.add_column(name, justify=justify)  # type: ignore[arg-type]
     for row in rows:
-        table.add_row(row.name, f"{row.seconds:.4g}", "" if row.ratio is None else f"{row.ratio:.3g}", row.against,
-                      f"{100 * row.share:.2g} % of {row.limit}")
+        table.add_row(
+            row.name,
+            f"{row.seconds:.4g}",
+            "" if row.ratio is None else f"{row.ratio:.3g}",
+            row.against,
+            f"{100 * row.share:.2g} % of {row.limit}",
+        )
     Console().print(table)
     Console().print(f"Picture: {pictures[0]}", soft_wrap=True)
     return True

@@ -15,9 +15,8 @@ from scipy.stats import t as student
 
 from leakref._base import FloatArray
 from leakref.certify.checks import inputs
+from leakref.certify.checks.criteria import expected, tapered
 from leakref.certify.checks.inputs import Cube, polar
-from leakref.certify.checks.criteria import expected
-from leakref.certify.checks.criteria import tapered
 from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Unanswered
 from leakref.currents import UniformCurrent
@@ -47,21 +46,48 @@ class Sea:
 
     def cube(self, realization: int) -> Cube:
         """One realisation."""
-        return inputs.sea(self.direction, self.spread, self.current, realization=200 + realization,
-                         peakedness=self.peakedness, grid=self.grid, wavenumbers=self.wavenumbers)
+        return inputs.sea(
+            self.direction,
+            self.spread,
+            self.current,
+            realization=200 + realization,
+            peakedness=self.peakedness,
+            grid=self.grid,
+            wavenumbers=self.wavenumbers,
+        )
 
 
-SEAS = {sea.name: sea for sea in (
-    Sea("broad", "case-NSP-LS: theta0 = 75 degrees, spread 60 degrees, still water", 75.0, 60.0),
-    Sea("directional", "case-theta0-DeltaTheta: theta0 = 60 degrees, spread 30 degrees, still water", 60.0, 30.0),
-    Sea("peaked", "case-gamma: peakedness 7, spread 45 degrees, still water", 60.0, 45.0, 7.0),
-    Sea("following", "case-U: a current of 0.15 c0 along the waves, spread 60 degrees", 90.0, 60.0,
-        current=UniformCurrent((0.0, 0.15))),
-    Sea("narrow", "harder: spread 15 degrees, peakedness 7, still water", 60.0, 15.0, 7.0),
-    Sea("crossing", "harder: a current of 0.15 c0 across waves of 30 degrees spread, turned by 30 degrees", 120.0, 30.0,
-        current=UniformCurrent(polar(0.15, 30.0))),
-    Sea("small", "harder: three wavelengths by seven periods, spread 30 degrees", 60.0, 30.0,
-        grid=Grid((34, 30, 56), (0.57, 0.66, 0.79)), wavenumbers=(1.5, 1.8, 2.2, 2.6, 3.0)))}
+SEAS = {
+    sea.name: sea
+    for sea in (
+        Sea("broad", "case-NSP-LS: theta0 = 75 degrees, spread 60 degrees, still water", 75.0, 60.0),
+        Sea("directional", "case-theta0-DeltaTheta: theta0 = 60 degrees, spread 30 degrees, still water", 60.0, 30.0),
+        Sea("peaked", "case-gamma: peakedness 7, spread 45 degrees, still water", 60.0, 45.0, 7.0),
+        Sea(
+            "following",
+            "case-U: a current of 0.15 c0 along the waves, spread 60 degrees",
+            90.0,
+            60.0,
+            current=UniformCurrent((0.0, 0.15)),
+        ),
+        Sea("narrow", "harder: spread 15 degrees, peakedness 7, still water", 60.0, 15.0, 7.0),
+        Sea(
+            "crossing",
+            "harder: a current of 0.15 c0 across waves of 30 degrees spread, turned by 30 degrees",
+            120.0,
+            30.0,
+            current=UniformCurrent(polar(0.15, 30.0)),
+        ),
+        Sea(
+            "small",
+            "harder: three wavelengths by seven periods, spread 30 degrees",
+            60.0,
+            30.0,
+            grid=Grid((34, 30, 56), (0.57, 0.66, 0.79)),
+            wavenumbers=(1.5, 1.8, 2.2, 2.6, 3.0),
+        ),
+    )
+}
 """Those of the paper, then the harder ones, by name."""
 
 
@@ -104,16 +130,33 @@ class Bias:
 
     def record(self) -> dict[str, Any]:
         """As in the JSON of `leakref certify`."""
-        return {"sea": self.sea.name, "about": self.sea.words, "scale": self.scale, "method": self.method,
-                "realizations": self.realizations, "wavenumbers": self.wavenumbers, "bias": self.bias,
-                "random": self.random, "reference_bias": self.reference_bias,
-                "reference_random": self.reference_random, "smaller_resolution": self.resolutions[0],
-                "sub_resolution_from": self.sub_resolution_from, "ratio": self.ratio, "interval": list(self.interval),
-                "words": self.words}
+        return {
+            "sea": self.sea.name,
+            "about": self.sea.words,
+            "scale": self.scale,
+            "method": self.method,
+            "realizations": self.realizations,
+            "wavenumbers": self.wavenumbers,
+            "bias": self.bias,
+            "random": self.random,
+            "reference_bias": self.reference_bias,
+            "reference_random": self.reference_random,
+            "smaller_resolution": self.resolutions[0],
+            "sub_resolution_from": self.sub_resolution_from,
+            "ratio": self.ratio,
+            "interval": list(self.interval),
+            "words": self.words,
+        }
 
 
-def bias(subject: Subject, seas: Sequence[Sea] = tuple(SEAS.values()), *, realizations: int = REALIZATIONS,
-         scales: Sequence[float] = SCALES, after_each: Callable[[], object] = lambda: None) -> list[Bias]:
+def bias(
+    subject: Subject,
+    seas: Sequence[Sea] = tuple(SEAS.values()),
+    *,
+    realizations: int = REALIZATIONS,
+    scales: Sequence[float] = SCALES,
+    after_each: Callable[[], object] = lambda: None,
+) -> list[Bias]:
     """The bias of an implementation's main method under its own taper, sea by sea and scale by scale.
 
     A realisation that it does not answer is left out; a sea in which it answers fewer than two is left out. Calls
@@ -139,8 +182,9 @@ def bias(subject: Subject, seas: Sequence[Sea] = tuple(SEAS.values()), *, realiz
 def _errors(subject: Subject, cube: Cube, window: str, method: str, scale: float) -> FloatArray | None:
     """|c - U| of the implementation and of the reference, (2, n); None without an answer."""
     try:
-        answer = subject.extract(cube.surface, cube.spacing, cube.wavenumbers, window=window, method=method,
-                                 scale=scale)
+        answer = subject.extract(
+            cube.surface, cube.spacing, cube.wavenumbers, window=window, method=method, scale=scale
+        )
     except Unanswered:
         return None
     own = expected(cube, "hann", "nsp").velocities
@@ -161,15 +205,28 @@ def _summed(sea: Sea, scale: float, method: str, errors: FloatArray) -> Bias:
     # of a ratio of means, by its residuals (the delta method)
     residual = (mine - ratio * reference) / reference.mean()
     wide = float(student.isf((1 - _CONFIDENCE) / 2, max(mine.size - 1, 1)) * residual.std(ddof=1) / np.sqrt(mine.size))
-    return Bias(sea, scale, method, np.array(sea.wavenumbers), mean[0], spread[0], mean[1], spread[1],
-                sea.cube(0).resolutions, ratio, (max(ratio - wide, 0.0), ratio + wide), len(errors))
+    return Bias(
+        sea,
+        scale,
+        method,
+        np.array(sea.wavenumbers),
+        mean[0],
+        spread[0],
+        mean[1],
+        spread[1],
+        sea.cube(0).resolutions,
+        ratio,
+        (max(ratio - wide, 0.0), ratio + wide),
+        len(errors),
+    )
 
 
 def figure(found: Sequence[Bias]) -> bytes:
     """A PNG: error against wavenumber in every sea, beside the reference and the resolutions."""
     from io import BytesIO
 
-    from leakref.figures import COLOURS, figure as blank
+    from leakref.figures import COLOURS
+    from leakref.figures import figure as blank
 
     names = list(dict.fromkeys(one.sea.name for one in found))
     columns = 2
@@ -179,8 +236,17 @@ def figure(found: Sequence[Bias]) -> bytes:
         parts = [one for one in found if one.sea.name == name]
         for n, one in enumerate(parts):
             shifted = one.wavenumbers + 0.03 * n  # so that equal ones are both seen
-            ax.errorbar(shifted, one.bias, one.random, color=COLOURS[n], marker="os"[n % 2], ms=4, capsize=2, lw=1.2,
-                        label=f"this code, scale {one.scale:g}")
+            ax.errorbar(
+                shifted,
+                one.bias,
+                one.random,
+                color=COLOURS[n],
+                marker="os"[n % 2],
+                ms=4,
+                capsize=2,
+                lw=1.2,
+                label=f"this code, scale {one.scale:g}",
+            )
         first = parts[0]
         ax.plot(first.wavenumbers, first.reference_bias, color="0.25", ls="--", label="the reference, Hann")
         ax.fill_between(first.wavenumbers, 0, first.resolutions[0], color="0.9", label="below the smaller resolution")
@@ -188,7 +254,7 @@ def figure(found: Sequence[Bias]) -> bytes:
         ax.set_xlabel("k / k0")
         ax.set_ylabel("|c - U| / c0")
         ax.set_ylim(bottom=0)
-    for ax in axes.ravel()[len(names):]:
+    for ax in axes.ravel()[len(names) :]:
         ax.set_visible(False)
     axes.ravel()[0].legend(fontsize=7)
     stream = BytesIO()

@@ -42,14 +42,20 @@ def read_known(path: Path) -> dict[str, Known]:
     except OSError as error:
         raise refusal("certify", f"{path} cannot be read ({error.strerror})", "give a TOML file", error) from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise LeakrefError("certify", f"{path} is not TOML ({error})",
-                           'write lines such as "recovery.pair[...]" = {reason = "...", issue = "..."}') from None
+        raise LeakrefError(
+            "certify",
+            f"{path} is not TOML ({error})",
+            'write lines such as "recovery.pair[...]" = {reason = "...", issue = "..."}',
+        ) from None
     found = {}
     for identifier, row in table.items():
         given = row if isinstance(row, Mapping) else {}
         if set(given) != {"reason", "issue"} or not all(isinstance(v, str) and v.strip() for v in given.values()):
-            raise LeakrefError("certify", f"{path}: the entry {identifier!r} should have a reason and an issue, both "
-                               "in words", 'write "id" = {reason = "...", issue = "..."}')
+            raise LeakrefError(
+                "certify",
+                f"{path}: the entry {identifier!r} should have a reason and an issue, both in words",
+                'write "id" = {reason = "...", issue = "..."}',
+            )
         found[identifier] = Known(identifier, given["reason"], given["issue"])
     return found
 
@@ -133,19 +139,37 @@ class Certificate:
 
     def record(self) -> dict[str, Any]:
         """The JSON of `leakref certify` (guide protocol, section 14); its schema is `schema()`."""
-        known = [{"id": k.id, "reason": k.reason, "issue": k.issue, "stale": k in self.stale}
-                 for k in self.known.values()]
-        result: dict[str, Any] = plain(envelope(
-            "certify", self.ok, target=self.target, grade=self.grade, profile=self.profile, golden=self.golden,
-            declaration=self.declaration, counts=self.counts, seconds=round(self.seconds, 2),
-            findings=[f.record() for f in self.findings], diagnosis=list(self.diagnosis),
-            explanation=self.explanation, departs_at=self.departs_at, bias=list(self.bias), known=known))
+        known = [
+            {"id": k.id, "reason": k.reason, "issue": k.issue, "stale": k in self.stale} for k in self.known.values()
+        ]
+        result: dict[str, Any] = plain(
+            envelope(
+                "certify",
+                self.ok,
+                target=self.target,
+                grade=self.grade,
+                profile=self.profile,
+                golden=self.golden,
+                declaration=self.declaration,
+                counts=self.counts,
+                seconds=round(self.seconds, 2),
+                findings=[f.record() for f in self.findings],
+                diagnosis=list(self.diagnosis),
+                explanation=self.explanation,
+                departs_at=self.departs_at,
+                bias=list(self.bias),
+                known=known,
+            )
+        )
         return result
 
     def families(self) -> list[tuple[str, dict[str, int]]]:
         """Counts of verdicts of each family that was run."""
-        return [(family, dict(Counter(str(f.verdict) for f in self.findings if f.family == family)))
-                for family in FAMILIES if any(f.family == family for f in self.findings)]
+        return [
+            (family, dict(Counter(str(f.verdict) for f in self.findings if f.family == family)))
+            for family in FAMILIES
+            if any(f.family == family for f in self.findings)
+        ]
 
 
 def schema() -> dict[str, Any]:

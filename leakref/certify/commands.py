@@ -17,18 +17,23 @@ from rich.table import Table
 from leakref._base import LeakrefError
 from leakref._output import console, dump, envelope, folder, progress_bar, write_whole
 from leakref.certify.certificate import REJECTED, SOUND, Certificate, junit, read_known, schema
-from leakref.certify.runner import select
-from leakref.certify.targets import HarnessBroken, Limits, connect
+from leakref.certify.runner import certify, select
 from leakref.certify.strength.diagnosis import explain
-from leakref.certify.runner import certify
 from leakref.certify.subject.protocol import ProcessSubject
+from leakref.certify.targets import HarnessBroken, Limits, connect
 from leakref.certify.verdict import WRONG, Finding, Verdict
 from leakref.golden.sets import locate
 
 __all__ = ["Request", "run", "show_list", "show_schema"]
 
-_COLOUR = {Verdict.PASS: "green", Verdict.FAIL: "red", Verdict.ERROR: "red", Verdict.TIMEOUT: "red",
-           Verdict.MISSING: "yellow", Verdict.UNSUPPORTED: "dim"}
+_COLOUR = {
+    Verdict.PASS: "green",
+    Verdict.FAIL: "red",
+    Verdict.ERROR: "red",
+    Verdict.TIMEOUT: "red",
+    Verdict.MISSING: "yellow",
+    Verdict.UNSUPPORTED: "dim",
+}
 _SHOWN = 20
 """Failures printed in full; the rest are in the JSON and the report."""
 
@@ -68,8 +73,11 @@ def run(request: Request, *, json: bool = False) -> int:
     """Certify, print, write; the exit status (guide protocol, section 13)."""
     if (request.target is None) == (request.command is None):
         given = "no target" if request.target is None else "a target and a --command"
-        raise LeakrefError("certify", f"{given} was given", "name package.module:object, reference, fault:ID or "
-                           'variant:ID, or pass --command "program arguments"')
+        raise LeakrefError(
+            "certify",
+            f"{given} was given",
+            'name package.module:object, reference, fault:ID or variant:ID, or pass --command "program arguments"',
+        )
     if request.target is not None and not request.target.strip():
         raise LeakrefError("certify", "the target is empty", "an empty variable? Name what is to be certified")
     command = _split(request.command) if request.command is not None else None
@@ -79,24 +87,31 @@ def run(request: Request, *, json: bool = False) -> int:
         folder(request.report)
     checks = select(request.only, profile=request.profile, golden=request.golden)
     if not checks:
-        console().print(f"[red]Nothing to run:[/] no check of the {request.profile} profile matches "
-                        f"{', '.join(map(escape, request.only))}.")
+        console().print(
+            f"[red]Nothing to run:[/] no check of the {request.profile} profile matches "
+            f"{', '.join(map(escape, request.only))}."
+        )
         return 3
-    limits = Limits.given(request.timeout, request.start, request.memory,
-                          run=600.0 if request.profile == "full" else 120.0)
-    sessions = [connect(request.target, command, limits=limits, keep=request.keep)
-                for _ in range(min(max(1, request.workers), len(checks)))]
+    limits = Limits.given(
+        request.timeout, request.start, request.memory, run=600.0 if request.profile == "full" else 120.0
+    )
+    sessions = [
+        connect(request.target, command, limits=limits, keep=request.keep)
+        for _ in range(min(max(1, request.workers), len(checks)))
+    ]
     name = request.target or str(request.command)
     start = perf_counter()
     seen: list[Finding] = []
     try:
         with progress_bar(f"checks of {name}", len(checks)) as step:
+
             def counted(finding: Finding) -> None:
                 seen.append(finding)
                 step()
 
-            found = certify(name, sessions, checks, profile=request.profile, golden=request.golden, known=known,
-                            after_each=counted)
+            found = certify(
+                name, sessions, checks, profile=request.profile, golden=request.golden, known=known, after_each=counted
+            )
     except KeyboardInterrupt:
         _so_far(seen, len(checks))
         raise
@@ -129,8 +144,9 @@ def run(request: Request, *, json: bool = False) -> int:
 def _so_far(seen: Sequence[Finding], count: int) -> None:
     """What was found before somebody lost patience."""
     wrong = [f for f in seen if f.verdict in WRONG]
-    console().print(f"[yellow]Interrupted[/] after {len(seen)} of {count} findings; {len(wrong)} of them wrong"
-                    + ":" * bool(wrong))
+    console().print(
+        f"[yellow]Interrupted[/] after {len(seen)} of {count} findings; {len(wrong)} of them wrong" + ":" * bool(wrong)
+    )
     for finding in wrong[:_SHOWN]:
         console().print(f"[red]{finding.verdict}[/] {escape(finding.id)}: {escape(finding.message)}", soft_wrap=True)
 
@@ -171,8 +187,12 @@ def _write(found: Certificate, report: Path | None, pictures: Sequence[Mapping[s
         return []
     from leakref.certify.report import badge, page
 
-    files = {"certificate.html": page(found, pictures), "certificate.json": dump(found.record()) + "\n",
-             "junit.xml": junit(found), "badge.svg": badge(found)}
+    files = {
+        "certificate.html": page(found, pictures),
+        "certificate.json": dump(found.record()) + "\n",
+        "junit.xml": junit(found),
+        "badge.svg": badge(found),
+    }
     return [write_whole(report / name, partial(_write_text, text)) for name, text in files.items()]
 
 
@@ -188,8 +208,10 @@ def _print(found: Certificate, written: Sequence[Path], only: Sequence[str]) -> 
     told = set()
     for finding in found.wrong[:_SHOWN]:
         over = "" if finding.over is None else f" ({finding.over:.3g} times the tolerance)"
-        show.print(f"[{colour}]{finding.verdict}[/] [bold]{escape(finding.id)}[/]{over}\n  {escape(finding.message)}",
-                   soft_wrap=True)
+        show.print(
+            f"[{colour}]{finding.verdict}[/] [bold]{escape(finding.id)}[/]{over}\n  {escape(finding.message)}",
+            soft_wrap=True,
+        )
         check = finding.id.partition("[")[0]
         if check not in told:  # the same for all cases of a check
             told.add(check)
@@ -212,8 +234,9 @@ def _print(found: Certificate, written: Sequence[Path], only: Sequence[str]) -> 
         show.print(f"It departs from the reference at its {found.departs_at}.")
     show.print(_sentence(found), soft_wrap=True)
     if only and found.grade == REJECTED and all(f.family == "conformance" for f in found.wrong):
-        show.print("Of the checks named by --only: beside all others, conformance by itself rejects no code.",
-                   soft_wrap=True)
+        show.print(
+            "Of the checks named by --only: beside all others, conformance by itself rejects no code.", soft_wrap=True
+        )
     for path in written[:1]:
         show.print(f"Page: {path}; beside it {', '.join(other.name for other in written[1:])}", soft_wrap=True)
 
@@ -230,8 +253,9 @@ def _summary(found: Certificate) -> Table:
     table.add_column("fewest digits", justify="right")
     for family, counts in found.families():
         digits = [f.digits for f in found.findings if f.family == family and f.digits is not None]
-        table.add_row(family, *(str(counts.get(str(verdict), "")) for verdict in Verdict),
-                      f"{min(digits):.1f}" if digits else "")
+        table.add_row(
+            family, *(str(counts.get(str(verdict), "")) for verdict in Verdict), f"{min(digits):.1f}" if digits else ""
+        )
     return table
 
 
@@ -241,5 +265,7 @@ def _sentence(found: Certificate) -> str:
 
     grade = found.grade or "not judged"
     colour = "green" if found.ok else "red"
-    return (f"[{colour} bold]{grade}[/]: {sentence(found)} Golden set {found.golden}, {found.profile} profile, "
-            f"{found.seconds:.0f} s.")
+    return (
+        f"[{colour} bold]{grade}[/]: {sentence(found)} Golden set {found.golden}, {found.profile} profile, "
+        f"{found.seconds:.0f} s."
+    )

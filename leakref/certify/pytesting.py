@@ -11,10 +11,10 @@ import pytest
 
 from leakref._base import LeakrefError
 from leakref.certify.certificate import Known, read_known
-from leakref.certify.runner import select
-from leakref.certify.subject.inprocess import InProcess
 from leakref.certify.checks.registry import Case, Check
+from leakref.certify.runner import select
 from leakref.certify.subject.frames import Subject
+from leakref.certify.subject.inprocess import InProcess
 from leakref.certify.targets import load
 from leakref.certify.verdict import Finding, Verdict
 from leakref.plugin import MARK
@@ -31,8 +31,13 @@ def settle(finding: Finding) -> None:
         pytest.fail(f"{finding.verdict} {finding.id}{over}\n{finding.message}\n{finding.repro}", pytrace=False)
 
 
-def parametrize_with_checks(implementation: Any, *, profile: str = "quick", only: Sequence[str] = (),
-                            known: Mapping[str, Mapping[str, str]] | Path | None = None) -> Any:
+def parametrize_with_checks(
+    implementation: Any,
+    *,
+    profile: str = "quick",
+    only: Sequence[str] = (),
+    known: Mapping[str, Mapping[str, str]] | Path | None = None,
+) -> Any:
     """Decorate a test that calls its argument `check`: it becomes one test for each finding of `leakref certify`.
 
         @parametrize_with_checks(extract)
@@ -49,17 +54,27 @@ def parametrize_with_checks(implementation: Any, *, profile: str = "quick", only
     accepted = read_known(known) if isinstance(known, Path) else _known(known or {})
     ids = {identifier for check, _ in select() for identifier, _ in check.ids()}
     if unknown := sorted(set(accepted) - ids):
-        raise LeakrefError("parametrize_with_checks", f"the known failure {unknown[0]!r} is none of the {len(ids)} "
-                           "there are", "correct the id; `leakref certify --list` prints all")
+        raise LeakrefError(
+            "parametrize_with_checks",
+            f"the known failure {unknown[0]!r} is none of the {len(ids)} there are",
+            "correct the id; `leakref certify --list` prints all",
+        )
 
     @cache
     def subject() -> Subject:  # made when the first test runs, so that collecting is quick
         return InProcess(load(implementation) if isinstance(implementation, str) else _made(implementation))
 
-    return pytest.mark.parametrize("check", [
-        pytest.param(_bound(check, case, subject), id=f"{check.id}[{case.id}]",
-                     marks=_marks(accepted.get(f"{check.id}[{case.id}]")))
-        for check, case in select(only, profile=profile)])
+    return pytest.mark.parametrize(
+        "check",
+        [
+            pytest.param(
+                _bound(check, case, subject),
+                id=f"{check.id}[{case.id}]",
+                marks=_marks(accepted.get(f"{check.id}[{case.id}]")),
+            )
+            for check, case in select(only, profile=profile)
+        ],
+    )
 
 
 def _made(implementation: Any) -> Any:
@@ -69,8 +84,11 @@ def _made(implementation: Any) -> Any:
 def _known(given: Mapping[str, Mapping[str, str]]) -> dict[str, Known]:
     for identifier, row in given.items():
         if set(row) != {"reason", "issue"} or not all(str(words).strip() for words in row.values()):
-            raise LeakrefError("parametrize_with_checks", f"the known failure {identifier!r} is given as {dict(row)!r}",
-                               "give it a reason and an issue in words")
+            raise LeakrefError(
+                "parametrize_with_checks",
+                f"the known failure {identifier!r} is given as {dict(row)!r}",
+                "give it a reason and an issue in words",
+            )
     return {identifier: Known(identifier, **row) for identifier, row in given.items()}
 
 

@@ -12,14 +12,15 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from leakref import __version__
 from leakref._base import FloatArray
 from leakref.certify.certificate import Certificate
-from leakref.certify.runner import select
 from leakref.certify.checks.registry import FAMILIES, Check
+from leakref.certify.runner import select
 from leakref.certify.verdict import Finding, Verdict
 
 __all__ = ["badge", "page", "sentence"]
 
-_PAGES = Environment(loader=PackageLoader("leakref.certify", "pages"), autoescape=True, undefined=StrictUndefined,
-                     trim_blocks=True)
+_PAGES = Environment(
+    loader=PackageLoader("leakref.certify", "pages"), autoescape=True, undefined=StrictUndefined, trim_blocks=True
+)
 _COLOURS = {"conformant": "#00695c", "sound": "#00695c", "rejected": "#b3261e", "not judged": "#8a6100"}
 _MOST = 12  # wavenumbers in a drawing
 
@@ -43,13 +44,23 @@ def page(certificate: Certificate, pictures: Sequence[Mapping[str, str]] = ()) -
     known = {f"{c.id}[{case.id}]": c for c, case in select()}
     grade = certificate.grade or "not judged"
     first = {f.id.partition("[")[0]: f for f in reversed(certificate.wrong)}  # of each check: these are opened
-    rows = [(family, [_row(f, known.get(f.id), f in first.values()) for f in certificate.findings
-                      if f.family == family]) for family, _ in certificate.families()]
+    rows = [
+        (family, [_row(f, known.get(f.id), f in first.values()) for f in certificate.findings if f.family == family])
+        for family, _ in certificate.families()
+    ]
     return _PAGES.get_template("certificate.html").render(
-        certificate=certificate, said=certificate.declaration, grade=grade, version=__version__, pictures=pictures,
-        grade_class=certificate.grade or "unjudged", sentence=sentence(certificate), families=FAMILIES, findings=rows,
+        certificate=certificate,
+        said=certificate.declaration,
+        grade=grade,
+        version=__version__,
+        pictures=pictures,
+        grade_class=certificate.grade or "unjudged",
+        sentence=sentence(certificate),
+        families=FAMILIES,
+        findings=rows,
         verdicts=[str(v) for v in Verdict if str(v) in certificate.counts],
-        declared=list(_declared(certificate.declaration)))
+        declared=list(_declared(certificate.declaration)),
+    )
 
 
 def badge(certificate: Certificate) -> str:
@@ -63,23 +74,31 @@ def _declared(said: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         yield name, str(said[name])
     yield "fixed", ", ".join(said["fixed"]) or "nothing"
     for stage, what in said["can"].items():
-        told = "; ".join(f"{name} {', '.join(map(str, v)) or 'none' if isinstance(v, list | tuple) else v}"
-                         for name, v in what.items())
+        told = "; ".join(
+            f"{name} {', '.join(map(str, v)) or 'none' if isinstance(v, list | tuple) else v}"
+            for name, v in what.items()
+        )
         yield stage, told or "offered"
 
 
 def _row(finding: Finding, check: Check | None, is_open: bool) -> dict[str, Any]:
     drawings = list(_drawings(finding.figures, finding.over or 0.0))
-    return {"finding": finding, "reason": check.reason if check else "", "open": is_open,
-            "tolerance": check.tolerance if check else "", "drawings": drawings}
+    return {
+        "finding": finding,
+        "reason": check.reason if check else "",
+        "open": is_open,
+        "tolerance": check.tolerance if check else "",
+        "drawings": drawings,
+    }
 
 
 def _drawings(figures: Mapping[str, Any], over: float, title: str = "velocities") -> Iterator[dict[str, Any]]:
     """Arrows of every part of the figures that has velocities (n, 2) and what they should be; `over` of the finding."""
     if {"wavenumbers", "velocities", "should_be"} <= set(figures):
         labels = [f"k = {k:.3g}" for k in figures["wavenumbers"]]
-        yield _arrows(title, labels, figures["velocities"], figures["should_be"],
-                      figures.get("over", np.full(len(labels), over)))
+        yield _arrows(
+            title, labels, figures["velocities"], figures["should_be"], figures.get("over", np.full(len(labels), over))
+        )
         return
     if {"velocity", "should_be"} <= set(figures):
         yield _arrows(title, ["mean"], [figures["velocity"]], [figures["should_be"]], [over])
@@ -102,6 +121,15 @@ def _arrows(title: str, labels: Sequence[str], *values: npt.ArrayLike) -> dict[s
     arrows = []
     for n, label in enumerate(labels[:_MOST]):
         (tx, ty), (fx, fy) = end(n, should[n]), end(n, found[n])
-        arrows.append({"x": int(x[n]), "tx": tx, "ty": ty, "fx": fx, "fy": fy, "label": label,
-                       "colour": "#b3261e" if over[n] > 1 else "#00695c"})
+        arrows.append(
+            {
+                "x": int(x[n]),
+                "tx": tx,
+                "ty": ty,
+                "fx": fx,
+                "fy": fy,
+                "label": label,
+                "colour": "#b3261e" if over[n] > 1 else "#00695c",
+            }
+        )
     return {"title": title, "width": 120 + 110 * max(0, len(arrows) - 1), "arrows": arrows}

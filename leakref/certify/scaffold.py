@@ -11,11 +11,13 @@ from leakref._output import write_whole
 
 __all__ = ["NEXT", "write"]
 
-NEXT = {"python": "leakref certify adapter:Code",
-        "octave": 'leakref certify --command "octave-cli --quiet --no-init-file adapter.m"',
-        "shell": 'leakref certify --command "sh adapter.sh"',
-        "cpp": "make && leakref certify --command ./adapter",
-        "ci": "set LEAKREF and TARGET at the top of each, then git add .github/workflows/leakref.yml .gitlab-ci.yml"}
+NEXT = {
+    "python": "leakref certify adapter:Code",
+    "octave": 'leakref certify --command "octave-cli --quiet --no-init-file adapter.m"',
+    "shell": 'leakref certify --command "sh adapter.sh"',
+    "cpp": "make && leakref certify --command ./adapter",
+    "ci": "set LEAKREF and TARGET at the top of each, then git add .github/workflows/leakref.yml .gitlab-ci.yml",
+}
 """By kind, what to do next in the folder."""
 _PLACES = {"github.yml": ".github/workflows/leakref.yml", "gitlab.yml": ".gitlab-ci.yml"}
 
@@ -28,8 +30,11 @@ def write(kind: str, folder: Path) -> list[Path]:
     if kind not in NEXT:
         raise LeakrefError("scaffold", f"there is none for {kind!r}", f"choose one of {', '.join(NEXT)}")
     templates = resources.files("leakref.certify").joinpath("templates", kind)
-    texts = {Path(folder) / _PLACES.get(file.name, file.name): file.read_bytes()
-             for file in templates.iterdir() if file.is_file()}
+    texts = {
+        Path(folder) / _PLACES.get(file.name, file.name): file.read_bytes()
+        for file in templates.iterdir()
+        if file.is_file()
+    }
     for path in texts:
         if path.exists():
             raise LeakrefError("scaffold", f"{path} is there already", "name another folder")

@@ -56,8 +56,16 @@ class Finding:
 
     def record(self) -> dict[str, Any]:
         """As in the JSON of `leakref certify` (guide protocol, section 14)."""
-        return {"id": self.id, "family": self.family, "verdict": str(self.verdict), "message": self.message,
-                "digits": self.digits, "over": self.over, "repro": self.repro, "label": self.label}
+        return {
+            "id": self.id,
+            "family": self.family,
+            "verdict": str(self.verdict),
+            "message": self.message,
+            "digits": self.digits,
+            "over": self.over,
+            "repro": self.repro,
+            "label": self.label,
+        }
 
 
 class Unanswered(Exception):

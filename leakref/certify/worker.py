@@ -74,8 +74,12 @@ def ready(target: str) -> tuple[dict[str, Any], Calls]:
     except (Exception, SystemExit) as error:
         traceback.print_exc()
         fault = str(error) if isinstance(error, Unanswered) else f"{type(error).__name__}: {error}"
-        return {"op": "failed", "broken": isinstance(error, Unanswered), "fault": f"{target} cannot be used: {fault}",
-                "remedy": "see that it can be imported, and what its describe() returns"}, {}
+        return {
+            "op": "failed",
+            "broken": isinstance(error, Unanswered),
+            "fault": f"{target} cannot be used: {fault}",
+            "remedy": "see that it can be imported, and what its describe() returns",
+        }, {}
     return said, calls
 
 

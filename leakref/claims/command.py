@@ -20,8 +20,9 @@ __all__ = ["evaluate", "run", "table"]
 _COLOURS = {REPRODUCED: "green", NOT_REPRODUCED: "red", DEPENDS: "yellow"}
 
 
-def evaluate(ids: Sequence[str] = (), *, realizations: int = 100, place: Path | None = None,
-             workers: int = 1) -> list[Finding]:
+def evaluate(
+    ids: Sequence[str] = (), *, realizations: int = 100, place: Path | None = None, workers: int = 1
+) -> list[Finding]:
     """The claims named (default: all), on ensembles kept in `place` and shared with `leakref reproduce --out`."""
     claims = select(ids)
     with progress_bar("claims", len(claims)) as step, runs.pool(workers) as executor:
@@ -33,8 +34,9 @@ def evaluate(ids: Sequence[str] = (), *, realizations: int = 100, place: Path | 
     return findings
 
 
-def run(ids: Sequence[str], *, realizations: int, place: Path, workers: int, figures: bool, out: Path | None,
-        json: bool) -> bool:
+def run(
+    ids: Sequence[str], *, realizations: int, place: Path, workers: int, figures: bool, out: Path | None, json: bool
+) -> bool:
     """Evaluate, print, write; True: a claim that is not reproduced is a result, not a failure."""
     findings = evaluate(ids, realizations=realizations, place=place, workers=workers)
     result = envelope("claims", True, realizations=realizations, claims=[finding.record() for finding in findings])
@@ -69,18 +71,25 @@ def _short(figure: Any) -> str:
 
 def table(findings: Sequence[Finding], realizations: int) -> Table:
     """Verdict and figure of each claim."""
-    result = Table(title=f"The paper's claims, {realizations} realisations", caption_justify="left",
-                   caption="figure: shells where it is shown beyond two standard errors / shells, those against it, "
-                           "mean "
-                           "margin; of the first reading. `leakref claims ID` shows all readings")
+    result = Table(
+        title=f"The paper's claims, {realizations} realisations",
+        caption_justify="left",
+        caption="figure: shells where it is shown beyond two standard errors / shells, those against it, "
+        "mean "
+        "margin; of the first reading. `leakref claims ID` shows all readings",
+    )
     for name in ("id", "claim", "verdict", "readings", "figure"):
         result.add_column(name)
     for finding in findings:
         holding = sum(reading.holds is True for reading in finding.readings)
         said = f": {', '.join(finding.depends_on)}" if finding.verdict == DEPENDS else ""
-        result.add_row(finding.claim.id, finding.claim.words,
-                       f"[{_COLOURS[finding.verdict]}]{finding.verdict}[/]{said}",
-                       f"{holding}/{len(finding.readings)}", _short(finding.readings[0].figure))
+        result.add_row(
+            finding.claim.id,
+            finding.claim.words,
+            f"[{_COLOURS[finding.verdict]}]{finding.verdict}[/]{said}",
+            f"{holding}/{len(finding.readings)}",
+            _short(finding.readings[0].figure),
+        )
     return result
 
 

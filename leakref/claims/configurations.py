@@ -8,8 +8,24 @@ from itertools import product
 
 from leakref.cases import CASES, Configuration
 
-__all__ = ["CLEAR_OF_PEAK", "CURRENTS", "DIRECTIONS", "EXTRA", "GAMMAS", "LENGTHS", "ROTATIONS", "SPEEDS", "SPREADS",
-           "WIDER", "current", "domain", "narrow_domain", "peaked", "sea", "turn"]
+__all__ = [
+    "CLEAR_OF_PEAK",
+    "CURRENTS",
+    "DIRECTIONS",
+    "EXTRA",
+    "GAMMAS",
+    "LENGTHS",
+    "ROTATIONS",
+    "SPEEDS",
+    "SPREADS",
+    "WIDER",
+    "current",
+    "domain",
+    "narrow_domain",
+    "peaked",
+    "sea",
+    "turn",
+]
 
 DIRECTIONS, SPREADS, WIDER = (60.0, 75.0, 90.0), (15.0, 30.0, 45.0, 60.0), (75.0, 90.0, 120.0)
 GAMMAS = (1.0, 3.3, 7.0)
@@ -28,15 +44,17 @@ def _configuration(case: str, varied: tuple[str, ...], **values: float) -> Confi
 def sea(direction: float, spread: float, rotation: float = 0.0) -> Configuration:
     """Of case-theta0-DeltaTheta."""
     turn = ("rotation",) if rotation else ()
-    return _configuration("theta0-dtheta", ("direction", "spread", *turn), direction=direction, spread=spread,
-                          rotation=rotation)
+    return _configuration(
+        "theta0-dtheta", ("direction", "spread", *turn), direction=direction, spread=spread, rotation=rotation
+    )
 
 
 def peaked(spread: float, peakedness: float = 3.3, length: float = 10.0) -> Configuration:
     """Of case-gamma, theta0 = 60 degrees."""
     side = () if length == 10 else ("length",)
-    return _configuration("gamma", ("spread", "peakedness", *side), direction=60, spread=spread, peakedness=peakedness,
-                          length=length)
+    return _configuration(
+        "gamma", ("spread", "peakedness", *side), direction=60, spread=spread, peakedness=peakedness, length=length
+    )
 
 
 def domain(length: float, duration: float) -> Configuration:
@@ -46,14 +64,25 @@ def domain(length: float, duration: float) -> Configuration:
 
 def narrow_domain(length: float, duration: float) -> Configuration:
     """A narrow, strongly directional sea (theta0 = 60, spread 15 degrees) at other resolutions."""
-    return _configuration("theta0-dtheta", ("direction", "spread", "length", "duration"), direction=60, spread=15,
-                          length=length, duration=duration)
+    return _configuration(
+        "theta0-dtheta",
+        ("direction", "spread", "length", "duration"),
+        direction=60,
+        spread=15,
+        length=length,
+        duration=duration,
+    )
 
 
 def current(speed: float, direction: float = 0.0, rotation: float = 0.0) -> Configuration:
     """Of case-U."""
-    return _configuration("U", ("rotation", "speed", "current_direction") if speed else ("rotation", "speed"),
-                          speed=speed, current_direction=direction if speed else 0, rotation=rotation)
+    return _configuration(
+        "U",
+        ("rotation", "speed", "current_direction") if speed else ("rotation", "speed"),
+        speed=speed,
+        current_direction=direction if speed else 0,
+        rotation=rotation,
+    )
 
 
 def turn(rotation: float, currents: Iterable[float] = CURRENTS.values()) -> Iterator[Configuration]:
@@ -65,12 +94,15 @@ CLEAR_OF_PEAK = replace(narrow_domain(20.0, 20.0), direction=45.0)
 """theta0 = 45 at L = 20: no line along an axis from the peak meets the innermost shell (A14)."""
 
 EXTRA: dict[str, tuple[Configuration, ...]] = {
-    "theta0-dtheta": (*(sea(45.0, spread) for spread in SPREADS),
-                      *(sea(direction, spread) for direction, spread in product(DIRECTIONS, WIDER)),
-                      *(sea(*turn[:1], spread, turn[1]) for turn, spread in product(ROTATIONS, (15.0, 60.0))),
-                      *(narrow_domain(length, 20.0) for length in (5.0, 20.0)),
-                      *(narrow_domain(10.0, duration) for duration in (10.0, 80.0)),
-                      CLEAR_OF_PEAK, replace(CLEAR_OF_PEAK, direction=90.0)),
+    "theta0-dtheta": (
+        *(sea(45.0, spread) for spread in SPREADS),
+        *(sea(direction, spread) for direction, spread in product(DIRECTIONS, WIDER)),
+        *(sea(*turn[:1], spread, turn[1]) for turn, spread in product(ROTATIONS, (15.0, 60.0))),
+        *(narrow_domain(length, 20.0) for length in (5.0, 20.0)),
+        *(narrow_domain(10.0, duration) for duration in (10.0, 80.0)),
+        CLEAR_OF_PEAK,
+        replace(CLEAR_OF_PEAK, direction=90.0),
+    ),
     "gamma": tuple(peaked(spread, 3.3, length) for length, spread in product((5.0, 20.0), (45.0, 60.0))),
     "L-T": (*(domain(length, 5.0) for length in LENGTHS), domain(5.0, 40.0)),
     "U": (*turn(15.0), *turn(45.0), *turn(-30.0, (0.0,))),

@@ -11,9 +11,35 @@ from leakref._base import FloatArray
 from leakref.claims.configurations import CURRENTS, SPEEDS, current, turn
 from leakref.claims.evidence import Evidence
 from leakref.claims.registry import claim
-from leakref.claims.words import (ABOVE, ALL, BELOW, MEASURES, NEAR, RESOLUTIONS, WINDOWS, Band, Reading, Sample, Tally,
-                                  above, across, alike, along, below, bias, direction, either, every, magnitude,
-                                  missed, most, pooled, significant, smaller, within)
+from leakref.claims.words import (
+    ABOVE,
+    ALL,
+    BELOW,
+    MEASURES,
+    NEAR,
+    RESOLUTIONS,
+    WINDOWS,
+    Band,
+    Reading,
+    Sample,
+    Tally,
+    above,
+    across,
+    alike,
+    along,
+    below,
+    bias,
+    direction,
+    either,
+    every,
+    magnitude,
+    missed,
+    most,
+    pooled,
+    significant,
+    smaller,
+    within,
+)
 from leakref.ensemble import Ensemble
 
 _FOLLOWING, _CROSSING, _OPPOSING = CURRENTS.values()
@@ -48,9 +74,13 @@ def _mean_angle(e: Ensemble) -> Sample:
 _ANGLES = {"mean vector": _mean_angle, "each DSV": _angles}
 
 
-@claim("U1", "k > 1: bias against the waves; k < 1: with the waves", "sec:current",
-       "Component of the mean error c - U along the waves; or the mean of |c|: at k > 1 below U when following, above "
-       "when opposing, at k < 1 the reverse. Not rotated; untapered and Hann.")
+@claim(
+    "U1",
+    "k > 1: bias against the waves; k < 1: with the waves",
+    "sec:current",
+    "Component of the mean error c - U along the waves; or the mean of |c|: at k > 1 below U when following, above "
+    "when opposing, at k < 1 the reverse. Not rotated; untapered and Hann.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     for window in WINDOWS:
         vector, size = [], []
@@ -66,21 +96,31 @@ def _(see: Evidence) -> Iterator[Reading]:
             yield from either({"bias": words, "window": window}, bias=pooled(*tallies))
 
 
-@claim("U2", "the size of the errors is that of quiescent water", "sec:current",
-       "Mean of |c - U|, or mean of |c| against U, and the bias at U = 0, same phases: within 10 % of that, or not "
-       "significantly different. Not rotated; untapered and Hann.")
+@claim(
+    "U2",
+    "the size of the errors is that of quiescent water",
+    "sec:current",
+    "Mean of |c - U|, or mean of |c| against U, and the bias at U = 0, same phases: within 10 % of that, or not "
+    "significantly different. Not rotated; untapered and Hann.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     for (measure, of), window in product(MEASURES.items(), WINDOWS):
         still = see(current(0.0), window)
         differences = [of(see(one, window)) - bias(still) for one in turn(0.0)]
-        for words, same in (("within 10 %", [within(d, 0.1 * still.bias) for d in differences]),
-                            ("not significantly different", [alike(d, smaller(still)) for d in differences])):
+        for words, same in (
+            ("within 10 %", [within(d, 0.1 * still.bias) for d in differences]),
+            ("not significantly different", [alike(d, smaller(still)) for d in differences]),
+        ):
             yield from either({"error": measure, "same": words, "window": window}, same=pooled(*same))
 
 
-@claim("U3", "crossing current, untapered: DSVs turn towards +-90 deg for k < about 1.5", "sec:current",
-       "The mean vector's component along +-90 deg is significant at k < 1.5; and, if the limit is meant as one, not "
-       "significant at k > 1.65. Not rotated, all speeds.")
+@claim(
+    "U3",
+    "crossing current, untapered: DSVs turn towards +-90 deg for k < about 1.5",
+    "sec:current",
+    "The mean vector's component along +-90 deg is significant at k < 1.5; and, if the limit is meant as one, not "
+    "significant at k > 1.65. Not rotated, all speeds.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     def turning(test: Callable[[Sample, FloatArray], Tally], inside: Band) -> Tally:
         ensembles = [see(current(speed, _CROSSING), "box") for speed in SPEEDS]
@@ -91,9 +131,13 @@ def _(see: Evidence) -> Iterator[Reading]:
     yield from either({"limit": "and beyond they do not"}, turned=turn, not_turned=rest)
 
 
-@claim("U4", "with Hann, following and opposing: biases in size and direction are much reduced", "sec:current",
-       "Error of size (mean of |c - U|, or mean of |c| against U) below that untapered by a significant amount; error "
-       "of direction (of the mean vector, or the mean over DSVs) below that untapered. Not rotated.")
+@claim(
+    "U4",
+    "with Hann, following and opposing: biases in size and direction are much reduced",
+    "sec:current",
+    "Error of size (mean of |c - U|, or mean of |c| against U) below that untapered by a significant amount; error "
+    "of direction (of the mean vector, or the mean over DSVs) below that untapered. Not rotated.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     for (measure, size), (words, angle) in product(MEASURES.items(), _ANGLES.items()):
         sizes, angles = [], []
@@ -105,13 +149,18 @@ def _(see: Evidence) -> Iterator[Reading]:
         yield from either({"error": measure, "direction of": words}, size=pooled(*sizes), direction=pooled(*angles))
 
 
-@claim("U5", "with Hann, crossing: the mean bias stays significant, about 10 % of the peak phase velocity, also near "
-       "the peak", "sec:current",
-       "Mean error (as a vector, of |c - U|, or of |c| against U) significant, and within 10 % of 0.1 c0, or of its "
-       "order (10^-1/2 to 10^1/2 times it), over all shells and at |k - 1| <= 0.1. Not rotated, all speeds.")
+@claim(
+    "U5",
+    "with Hann, crossing: the mean bias stays significant, about 10 % of the peak phase velocity, also near the peak",
+    "sec:current",
+    "Mean error (as a vector, of |c - U|, or of |c| against U) significant, and within 10 % of 0.1 c0, or of its "
+    "order (10^-1/2 to 10^1/2 times it), over all shells and at |k - 1| <= 0.1. Not rotated, all speeds.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
-    for (measure, of), (words, low, high) in product({**MEASURES, "mean vector against U": _vector}.items(), (
-            ("of the order of 10 %", 0.1 * 10**-0.5, 0.1 * 10**0.5), ("within 10 % of 10 %", 0.09, 0.11))):
+    for (measure, of), (words, low, high) in product(
+        {**MEASURES, "mean vector against U": _vector}.items(),
+        (("of the order of 10 %", 0.1 * 10**-0.5, 0.1 * 10**0.5), ("within 10 % of 10 %", 0.09, 0.11)),
+    ):
         parts: dict[str, list[Tally]] = {"significant": [], "about": [], "about_near_peak": []}
         for speed in SPEEDS:
             e = see(current(speed, _CROSSING), "hann")
@@ -127,50 +176,83 @@ def _between(sample: Sample, low: float, high: float) -> Tally:
     return below(off, (high - low) / 2)
 
 
-@claim("U6", "with Hann, crossing current: direction errors of 10 to 45 deg if the current is weak or k is near 0.5",
-       "sec:current",
-       "Angle between U and the mean vector, or mean of the angles, from 10 to 45 deg: for the weakest current at "
-       "k < 1 (the text speaks of k below the peak), and for all at k = 0.45 to 0.55. Not rotated.")
+@claim(
+    "U6",
+    "with Hann, crossing current: direction errors of 10 to 45 deg if the current is weak or k is near 0.5",
+    "sec:current",
+    "Angle between U and the mean vector, or mean of the angles, from 10 to 45 deg: for the weakest current at "
+    "k < 1 (the text speaks of k below the peak), and for all at k = 0.45 to 0.55. Not rotated.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     for words, of in _ANGLES.items():
         weak = of(see(current(SPEEDS[0], _CROSSING), "hann")).at(BELOW)
-        low = [of(see(current(speed, _CROSSING), "hann")).at(lambda k: np.abs(k - 0.5) <= 0.05 + 1e-9)
-               for speed in SPEEDS]
-        for reading in either({"direction of": words}, weak=_between(weak, 10, 45),
-                              near_half=pooled(*(_between(s, 10, 45) for s in low))):
-            degrees = {"weak, by k": weak.mean.round(1).tolist(),
-                       "k = 0.5, by speed": [round(float(s.mean[0]), 1) for s in low]}
+        low = [
+            of(see(current(speed, _CROSSING), "hann")).at(lambda k: np.abs(k - 0.5) <= 0.05 + 1e-9) for speed in SPEEDS
+        ]
+        for reading in either(
+            {"direction of": words}, weak=_between(weak, 10, 45), near_half=pooled(*(_between(s, 10, 45) for s in low))
+        ):
+            degrees = {
+                "weak, by k": weak.mean.round(1).tolist(),
+                "k = 0.5, by speed": [round(float(s.mean[0]), 1) for s in low],
+            }
             yield Reading(reading.choices, reading.holds, {**reading.figure, "degrees": degrees}, reading.tallies)
 
 
-@claim("U7", "rotated by 30 deg, untapered: stronger biases, above all for a crossing current", "sec:current",
-       "Error (mean of |c| against U, or of |c - U|) above that of the same sea not rotated, all currents; and the "
-       "rise, mean over shells, for a crossing current above those of the others. Rotated either way (D23).")
+@claim(
+    "U7",
+    "rotated by 30 deg, untapered: stronger biases, above all for a crossing current",
+    "sec:current",
+    "Error (mean of |c| against U, or of |c - U|) above that of the same sea not rotated, all currents; and the "
+    "rise, mean over shells, for a crossing current above those of the others. Rotated either way (D23).",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     for (measure, of), (sense, angle) in product(MEASURES.items(), _SENSES.items()):
-        rise = {(speed, way): of(see(current(speed, way, angle if way == _CROSSING else 30.0), "box"))
-                - of(see(current(speed, way), "box")) for speed, way in product(SPEEDS, CURRENTS.values())}
-        most_of_all = [above(rise[speed, _CROSSING].over() - rise[speed, way].over())
-                       for speed, way in product(SPEEDS, _ALIGNED)]  # aligned: either sense is the mirror image
-        yield from either({"error": measure, "rotated (D23)": sense}, stronger=pooled(*map(above, rise.values())),
-                          crossing_most=pooled(*most_of_all))
+        rise = {
+            (speed, way): of(see(current(speed, way, angle if way == _CROSSING else 30.0), "box"))
+            - of(see(current(speed, way), "box"))
+            for speed, way in product(SPEEDS, CURRENTS.values())
+        }
+        most_of_all = [
+            above(rise[speed, _CROSSING].over() - rise[speed, way].over()) for speed, way in product(SPEEDS, _ALIGNED)
+        ]  # aligned: either sense is the mirror image
+        yield from either(
+            {"error": measure, "rotated (D23)": sense},
+            stronger=pooled(*map(above, rise.values())),
+            crossing_most=pooled(*most_of_all),
+        )
 
 
-@claim("U8", "there, DSVs around k = 1 drop below 50 % of the current", "sec:current",
-       "Rotated by 30 deg either way (D23), crossing, untapered, |k - 1| <= 0.1, all speeds: mean of |c|, size of the "
-       "mean vector, or component along U below U / 2; at every shell, most, or the lowest for each speed.")
+@claim(
+    "U8",
+    "there, DSVs around k = 1 drop below 50 % of the current",
+    "sec:current",
+    "Rotated by 30 deg either way (D23), crossing, untapered, |k - 1| <= 0.1, all speeds: mean of |c|, size of the "
+    "mean vector, or component along U below U / 2; at every shell, most, or the lowest for each speed.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
-    sizes = {"mean of |c|": bias, "mean vector": lambda e: Sample(e.wavenumbers, _length(e)),
-             "component along U": lambda e: along(e, _heading(e))}
+    sizes = {
+        "mean of |c|": bias,
+        "mean vector": lambda e: Sample(e.wavenumbers, _length(e)),
+        "component along U": lambda e: along(e, _heading(e)),
+    }
     for (words, of), (sense, angle) in product(sizes.items(), _SENSES.items()):
         shares = [1 / speed * of(see(current(speed, _CROSSING, angle), "box")).at(NEAR) for speed in SPEEDS]
         tallies = [below(share, 0.5) for share in shares]
         yield from either({"size": words, "rotated (D23)": sense}, below_half=pooled(*tallies))
         lowest = pooled(*(below(share.at(lambda k, s=share: k == k[np.argmin(s.mean)]), 0.5) for share in shares))
         for reading in every({"size": words, "rotated (D23)": sense, "holds at": "the lowest"}, below_half=lowest):
-            yield Reading(reading.choices, reading.holds, {**reading.figure, "lowest_over_U": {
-                f"U={speed:g}": round(float(s.mean.min()), 3) for speed, s in zip(SPEEDS, shares, strict=True)}},
-                reading.tallies)
+            yield Reading(
+                reading.choices,
+                reading.holds,
+                {
+                    **reading.figure,
+                    "lowest_over_U": {
+                        f"U={speed:g}": round(float(s.mean.min()), 3) for speed, s in zip(SPEEDS, shares, strict=True)
+                    },
+                },
+                reading.tallies,
+            )
 
 
 def _length(e: Ensemble) -> np.ndarray:
@@ -179,43 +261,63 @@ def _length(e: Ensemble) -> np.ndarray:
     return np.einsum("rnc,nc->rn", e.velocities, unit)
 
 
-@claim("U9", "with Hann, rotated and unrotated results are virtually indistinguishable", "sec:current",
-       "Rotated by 30 deg against the same sea not rotated, paired: mean of |c|, mean of |c - U|, or both components "
-       "of the mean vector turned back; not significantly different, or closer than the smaller resolution.")
+@claim(
+    "U9",
+    "with Hann, rotated and unrotated results are virtually indistinguishable",
+    "sec:current",
+    "Rotated by 30 deg against the same sea not rotated, paired: mean of |c|, mean of |c - U|, or both components "
+    "of the mean vector turned back; not significantly different, or closer than the smaller resolution.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     pairs = [(see(current(one.speed, one.current_direction, 30.0), "hann"), see(one, "hann")) for one in turn(0.0)]
-    differences = {"mean of |c|": [bias(a) - bias(b) for a, b in pairs],
-                   "mean of |c - U|": [missed(a) - missed(b) for a, b in pairs],
-                   "mean vector": [of(a, _heading(a)) - of(b, _heading(b)) for a, b in pairs for of in (along, across)]}
+    differences = {
+        "mean of |c|": [bias(a) - bias(b) for a, b in pairs],
+        "mean of |c - U|": [missed(a) - missed(b) for a, b in pairs],
+        "mean vector": [of(a, _heading(a)) - of(b, _heading(b)) for a, b in pairs for of in (along, across)],
+    }
     for measure, samples in differences.items():
         limit = smaller(pairs[0][0])
         for words, test in (("not significantly different", alike), ("below the resolution", within)):
             yield from either({"result": measure, "same": words}, same=pooled(*(test(d, limit) for d in samples)))
 
 
-@claim("U10", "rotations from 15 to 45 deg give similar results", "sec:current",
-       "Rotated by 15 and by 45 deg against 30 deg, paired: mean of |c|, or of |c - U|, within 10 %, or not "
-       "significantly different; untapered and Hann.")
+@claim(
+    "U10",
+    "rotations from 15 to 45 deg give similar results",
+    "sec:current",
+    "Rotated by 15 and by 45 deg against 30 deg, paired: mean of |c|, or of |c - U|, within 10 %, or not "
+    "significantly different; untapered and Hann.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     for (measure, of), window in product({"mean of |c|": bias, "mean of |c - U|": missed}.items(), WINDOWS):
-        pairs = [(of(see(one, window)), of(see(current(one.speed, one.current_direction, 30.0), window)))
-                 for angle in (15.0, 45.0) for one in turn(angle)]
+        pairs = [
+            (of(see(one, window)), of(see(current(one.speed, one.current_direction, 30.0), window)))
+            for angle in (15.0, 45.0)
+            for one in turn(angle)
+        ]
         limit = smaller(see(current(0.0), window))
-        for words, same in (("within 10 %", [within(a - b, 0.1 * b.mean) for a, b in pairs]),
-                            ("not significantly different", [alike(a - b, limit) for a, b in pairs])):
+        for words, same in (
+            ("within 10 %", [within(a - b, 0.1 * b.mean) for a, b in pairs]),
+            ("not significantly different", [alike(a - b, limit) for a, b in pairs]),
+        ):
             yield from either({"result": measure, "same": words, "window": window}, similar=pooled(*same))
 
 
-@claim("U11", "with a current the spurious magnitudes are mostly below resolution, with a direction bias near k = 1 "
-       "when crossing", "sec:conclusions",
-       "Error (mean of |c| against U, or of |c - U|) below the smaller or larger resolution at most shells, all "
-       "currents; crossing, the mean vector's component across U significant at most shells with |k - 1| <= 0.1. Not "
-       "rotated; untapered and Hann.")
+@claim(
+    "U11",
+    "with a current the spurious magnitudes are mostly below resolution, with a direction bias near k = 1 "
+    "when crossing",
+    "sec:conclusions",
+    "Error (mean of |c| against U, or of |c - U|) below the smaller or larger resolution at most shells, all "
+    "currents; crossing, the mean vector's component across U significant at most shells with |k - 1| <= 0.1. Not "
+    "rotated; untapered and Hann.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     for (measure, of), (resolution, choose), window in product(MEASURES.items(), RESOLUTIONS.items(), WINDOWS):
         ensembles = [see(one, window) for one in turn(0.0)]
         crossing = [see(current(speed, _CROSSING), window) for speed in SPEEDS]
-        yield from most({"error": measure, "resolution": resolution, "window": window},
-                        sub_resolution=pooled(*(below(of(e), choose(*e.resolutions)) for e in ensembles)),
-                        turned=pooled(*(significant(across(e, 0).at(NEAR), smaller(e)[NEAR(e.wavenumbers)])
-                                        for e in crossing)))
+        yield from most(
+            {"error": measure, "resolution": resolution, "window": window},
+            sub_resolution=pooled(*(below(of(e), choose(*e.resolutions)) for e in ensembles)),
+            turned=pooled(*(significant(across(e, 0).at(NEAR), smaller(e)[NEAR(e.wavenumbers)]) for e in crossing)),
+        )

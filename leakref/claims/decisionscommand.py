@@ -35,21 +35,45 @@ def computed(*, realizations: int, judged: int, place: Path, workers: int, full:
             found = study(realizations=realizations, folder=parts, executor=executor, after_each=step)
         variants = moving(found)
         with progress_bar("claims", len(CLAIMS)) as step:
-            claims = rejudged(variants, list(CLAIMS.values()), realizations=judged, folder=parts,
-                              executor=executor, ids=None if full else CONFIGURATIONS, after_each=step)
-    return envelope("claims", True, realizations=realizations, judged_realizations=judged,
-                    configurations=CONFIGURATIONS, full=full,
-                    decisions=[_decision(id, found, variants, claims) for id in DECISIONS], claims=claims)
+            claims = rejudged(
+                variants,
+                list(CLAIMS.values()),
+                realizations=judged,
+                folder=parts,
+                executor=executor,
+                ids=None if full else CONFIGURATIONS,
+                after_each=step,
+            )
+    return envelope(
+        "claims",
+        True,
+        realizations=realizations,
+        judged_realizations=judged,
+        configurations=CONFIGURATIONS,
+        full=full,
+        decisions=[_decision(id, found, variants, claims) for id in DECISIONS],
+        claims=claims,
+    )
 
 
-def _decision(id: str, found: dict[str, list[list[Shifts]]], judged: Sequence[Variant],
-              claims: Sequence[dict[str, Any]]) -> dict[str, Any]:
+def _decision(
+    id: str, found: dict[str, list[list[Shifts]]], judged: Sequence[Variant], claims: Sequence[dict[str, Any]]
+) -> dict[str, Any]:
     decision = DECISIONS[id]
-    variants = [{"id": v.id, "words": v.words, "paired": v.paired, "claims_judged": v in judged,
-                 "rows": _rows(found[v.id])} for v in VARIANTS.values() if v.decision == id]
+    variants = [
+        {"id": v.id, "words": v.words, "paired": v.paired, "claims_judged": v in judged, "rows": _rows(found[v.id])}
+        for v in VARIANTS.values()
+        if v.decision == id
+    ]
     turned = sorted({claim["id"] for claim in claims if claim["decision"] == id and claim["flipped"]}, key=position)
-    return {"id": id, "question": decision.question, "reference": decision.reference, "no_effect": NONE.get(id),
-            "claims_that_turn": turned, "variants": variants}
+    return {
+        "id": id,
+        "question": decision.question,
+        "reference": decision.reference,
+        "no_effect": NONE.get(id),
+        "claims_that_turn": turned,
+        "variants": variants,
+    }
 
 
 def _rows(cases: list[list[Shifts]]) -> list[dict[str, Any]]:
@@ -58,12 +82,25 @@ def _rows(cases: list[list[Shifts]]) -> list[dict[str, Any]]:
     for one in cases:
         for shifts in one:
             kinds.setdefault((shifts.reference.method, shifts.reference.window), []).append(shifts)
-    return [row for members in kinds.values() for row in (
-        summary(members, _ALL), *(summary([s], s.reference.configuration.id) for s in members))]
+    return [
+        row
+        for members in kinds.values()
+        for row in (summary(members, _ALL), *(summary([s], s.reference.configuration.id) for s in members))
+    ]
 
 
-def run(ids: Sequence[str], *, realizations: int, judged: int, place: Path, workers: int, figures: bool,
-        out: Path | None, full: bool, json: bool) -> bool:
+def run(
+    ids: Sequence[str],
+    *,
+    realizations: int,
+    judged: int,
+    place: Path,
+    workers: int,
+    figures: bool,
+    out: Path | None,
+    full: bool,
+    json: bool,
+) -> bool:
     """Print what is kept in golden/, or with `out` or `full` compute it; True: an effect is a result, not a failure.
 
     `ids` of decisions: only those are shown. Raises LeakrefError for an unknown one.
@@ -73,12 +110,18 @@ def run(ids: Sequence[str], *, realizations: int, judged: int, place: Path, work
         raise LeakrefError("claims", f"no decision is called {unknown[0]!r}", f"choose from {', '.join(DECISIONS)}")
     wanted = {id.upper() for id in ids} or set(DECISIONS)
     fresh = full or out is not None
-    result = (computed(realizations=realizations, judged=judged, place=place, workers=workers, full=full) if fresh
-              else stored_decisions())
+    result = (
+        computed(realizations=realizations, judged=judged, place=place, workers=workers, full=full)
+        if fresh
+        else stored_decisions()
+    )
     if out is not None:
         write(out, result, ("decisions", "claims"))
-    result = {**result, "decisions": [record for record in result["decisions"] if record["id"] in wanted],
-              "claims": [record for record in result["claims"] if record["decision"] in wanted]}
+    result = {
+        **result,
+        "decisions": [record for record in result["decisions"] if record["id"] in wanted],
+        "claims": [record for record in result["claims"] if record["decision"] in wanted],
+    }
     if figures:
         from leakref.claims.pictures import decisions_figure
         from leakref.figures import save
@@ -104,18 +147,22 @@ def _number(spread: dict[str, Any], unit: str, which: str) -> str:
 def _cells(row: dict[str, Any]) -> list[str]:
     spread = row["unflagged"]
     share = _number(spread, "resolution", "largest")
-    return [*(_number(spread, "c0", which) for which in ("median", "p95", "largest")),
-            f"[red]{share}[/red]" if share not in ("0", "-") and float(share) > 0.1 else share]
+    return [
+        *(_number(spread, "c0", which) for which in ("median", "p95", "largest")),
+        f"[red]{share}[/red]" if share not in ("0", "-") and float(share) > 0.1 else share,
+    ]
 
 
 def table(result: dict[str, Any]) -> list[Table]:
     """The shifts over all configurations, a row for each variant, method and window; and the claims that turn."""
     count, seas = result["realizations"], len(result["configurations"])
-    shown = Table(title=f"Velocities if a decision is taken otherwise: {count} realisations of {seas} seas",
-                  caption="|c' - c| in c0 over shells without a note: median, 95th percentile, largest; the largest "
-                          "over the smaller velocity resolution (red: over 10 %); change of the mean error with its "
-                          "standard error. 0: below 1e-9. Italic: other waves, so that only the mean can be compared",
-                  caption_justify="left")
+    shown = Table(
+        title=f"Velocities if a decision is taken otherwise: {count} realisations of {seas} seas",
+        caption="|c' - c| in c0 over shells without a note: median, 95th percentile, largest; the largest "
+        "over the smaller velocity resolution (red: over 10 %); change of the mean error with its "
+        "standard error. 0: below 1e-9. Italic: other waves, so that only the mean can be compared",
+        caption_justify="left",
+    )
     for name in ("", "instead", "method", "window"):
         shown.add_column(name)
     for name in ("median", "95 %", "largest", "share", "mean error", "no number"):
@@ -128,8 +175,15 @@ def table(result: dict[str, Any]) -> list[Table]:
             for n, row in enumerate(row for row in variant["rows"] if row["case"] == _ALL):
                 change = row["bias_change"]
                 mean = f"{change['mean']:+.1e} ± {change['standard_error']:.0e}" if change else ""
-                shown.add_row(record["id"] if n == 0 else "", words if n == 0 else "", row["method"], row["window"],
-                              *_cells(row), mean, str(row["lost"] or ""))
+                shown.add_row(
+                    record["id"] if n == 0 else "",
+                    words if n == 0 else "",
+                    row["method"],
+                    row["window"],
+                    *_cells(row),
+                    mean,
+                    str(row["lost"] or ""),
+                )
         shown.add_section()
     return [shown, _turned(result)]
 
@@ -137,13 +191,19 @@ def table(result: dict[str, Any]) -> list[Table]:
 def _turned(result: dict[str, Any]) -> Table:
     """By variant the claims of which a reading turns, and how many readings; in bold if the verdict is another then."""
     judged, variants = ({claim[key] for claim in result["claims"]} for key in ("id", "variant"))
-    shown = Table(title=f"Claims that turn ({len(judged)} claims under {len(variants)} variants, "
-                        f"{result['judged_realizations']} realisations each)", caption_justify="left",
-                  caption="How many readings turn, of all: held and do not, or the reverse; bold: the verdict is "
-                          "another then. Judged are the variants that move some velocity by more than 10 % of the "
-                          "smaller resolution, and "
-                          + ("all claims about velocities" if result["full"] else
-                             "the claims that need only these seas: " + ", ".join(sorted(judged, key=position))))
+    shown = Table(
+        title=f"Claims that turn ({len(judged)} claims under {len(variants)} variants, "
+        f"{result['judged_realizations']} realisations each)",
+        caption_justify="left",
+        caption="How many readings turn, of all: held and do not, or the reverse; bold: the verdict is "
+        "another then. Judged are the variants that move some velocity by more than 10 % of the "
+        "smaller resolution, and "
+        + (
+            "all claims about velocities"
+            if result["full"]
+            else "the claims that need only these seas: " + ", ".join(sorted(judged, key=position))
+        ),
+    )
     for name in ("", "instead", "claims"):
         shown.add_column(name)
     for variant in (v for v in VARIANTS.values() if v.id in variants):

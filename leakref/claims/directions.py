@@ -8,33 +8,67 @@ from itertools import combinations, pairwise, product
 
 import numpy as np
 
-from leakref.claims.configurations import (CLEAR_OF_PEAK, DIRECTIONS, GAMMAS, ROTATIONS, SPREADS, WIDER, peaked, sea)
+from leakref.claims.configurations import CLEAR_OF_PEAK, DIRECTIONS, GAMMAS, ROTATIONS, SPREADS, WIDER, peaked, sea
 from leakref.claims.evidence import Evidence, Setting, peak_waves
 from leakref.claims.registry import claim
-from leakref.claims.words import (ABOVE, AWAY, BELOW, LEVELS, NEAR, RESOLUTIONS, STATISTICS, WINDOWS, Reading, Sample,
-                                  above, across, alike, along, below, bias, either, every, magnitude, pooled, ratio,
-                                  significant, smaller)
+from leakref.claims.words import (
+    ABOVE,
+    AWAY,
+    BELOW,
+    LEVELS,
+    NEAR,
+    RESOLUTIONS,
+    STATISTICS,
+    WINDOWS,
+    Reading,
+    Sample,
+    above,
+    across,
+    alike,
+    along,
+    below,
+    bias,
+    either,
+    every,
+    magnitude,
+    pooled,
+    ratio,
+    significant,
+    smaller,
+)
 from leakref.dispersion import DEEP
 
 
-@claim("A1", "theta0 = 90 deg, untapered, k < 1: the mean DSV points along the waves", "sec:NSP_and_leakage",
-       "Component of the mean vector along 90 deg above zero, for each spread.")
+@claim(
+    "A1",
+    "theta0 = 90 deg, untapered, k < 1: the mean DSV points along the waves",
+    "sec:NSP_and_leakage",
+    "Component of the mean vector along 90 deg above zero, for each spread.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     for spread in SPREADS:
         yield from either({"spread": f"{spread:g}"}, along=above(along(see(sea(90, spread), "box"), 90).at(BELOW)))
 
 
-@claim("A2", "theta0 = 90 deg, untapered, k > 1: the mean DSV points against the waves", "sec:NSP_and_leakage",
-       "Component of the mean vector along 90 deg below zero, for each spread.")
+@claim(
+    "A2",
+    "theta0 = 90 deg, untapered, k > 1: the mean DSV points against the waves",
+    "sec:NSP_and_leakage",
+    "Component of the mean vector along 90 deg below zero, for each spread.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     for spread in SPREADS:
         yield from either({"spread": f"{spread:g}"}, against=below(along(see(sea(90, spread), "box"), 90).at(ABOVE)))
 
 
-@claim("A3", "0 < theta0 < 90 deg, untapered, narrow spread, k > 1: the component across the waves dominates, the one "
-       "along them is near zero", "sec:NSP_and_leakage",
-       "Size across theta0 above size along it, and that along below the smaller resolution; sizes of the mean vector, "
-       "or means of sizes. Spread 15, theta0 = 45, 60, 75 deg together.")
+@claim(
+    "A3",
+    "0 < theta0 < 90 deg, untapered, narrow spread, k > 1: the component across the waves dominates, the one "
+    "along them is near zero",
+    "sec:NSP_and_leakage",
+    "Size across theta0 above size along it, and that along below the smaller resolution; sizes of the mean vector, "
+    "or means of sizes. Spread 15, theta0 = 45, 60, 75 deg together.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     ensembles = {angle: see(sea(angle, 15), "box") for angle in (45.0, 60.0, 75.0)}
 
@@ -42,30 +76,49 @@ def _(see: Evidence) -> Iterator[Reading]:
         return Sample(sample.k, np.abs(sample.values))
 
     for words, size in (("mean vector", magnitude), ("each DSV", mean_of_sizes)):
-        lengthwise, sideways = ({angle: size(of(e, angle)).at(ABOVE) for angle, e in ensembles.items()}
-                                for of in (along, across))
-        yield from either({"component of": words},
-                          across_dominates=pooled(*(above(sideways[a] - lengthwise[a]) for a in ensembles)),
-                          along_near_zero=pooled(*(below(lengthwise[a], smaller(e)[ABOVE(e.wavenumbers)])
-                                                   for a, e in ensembles.items())))
+        lengthwise, sideways = (
+            {angle: size(of(e, angle)).at(ABOVE) for angle, e in ensembles.items()} for of in (along, across)
+        )
+        yield from either(
+            {"component of": words},
+            across_dominates=pooled(*(above(sideways[a] - lengthwise[a]) for a in ensembles)),
+            along_near_zero=pooled(
+                *(below(lengthwise[a], smaller(e)[ABOVE(e.wavenumbers)]) for a, e in ensembles.items())
+            ),
+        )
 
 
-@claim("A4", "a wider spread lowers bias and random part at every k", "sec:angwidth",
-       "Each falls from a narrower to a wider spread at every shell, paired; theta0 = 60, 75, 90. In the steps 15, 30, "
-       "45, 60 deg, or from 15 to 60, the two that are shown; untapered and Hann.")
+@claim(
+    "A4",
+    "a wider spread lowers bias and random part at every k",
+    "sec:angwidth",
+    "Each falls from a narrower to a wider spread at every shell, paired; theta0 = 60, 75, 90. In the steps 15, 30, "
+    "45, 60 deg, or from 15 to 60, the two that are shown; untapered and Hann.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     for words, steps in (("15 to 60", [(15, 60)]), ("each", list(pairwise(SPREADS)))):
         for window in WINDOWS:
-            yield from every({"step": words, "window": window},
-                             **{name.replace(" ", "_"): pooled(*(
-                                 above(of(see(sea(angle, narrow), window)) - of(see(sea(angle, wide), window)))
-                                 for angle, (narrow, wide) in product(DIRECTIONS, steps)))
-                                for name, of in STATISTICS.items()})
+            yield from every(
+                {"step": words, "window": window},
+                **{
+                    name.replace(" ", "_"): pooled(
+                        *(
+                            above(of(see(sea(angle, narrow), window)) - of(see(sea(angle, wide), window)))
+                            for angle, (narrow, wide) in product(DIRECTIONS, steps)
+                        )
+                    )
+                    for name, of in STATISTICS.items()
+                },
+            )
 
 
-@claim("A5", "beyond 60 deg no notable further improvement", "sec:angwidth",
-       "Bias, or random part, at 75, 90 and 120 deg not significantly below that at 60, paired; theta0 = 60, 75, 90; "
-       "untapered and Hann.")
+@claim(
+    "A5",
+    "beyond 60 deg no notable further improvement",
+    "sec:angwidth",
+    "Bias, or random part, at 75, 90 and 120 deg not significantly below that at 60, paired; theta0 = 60, 75, 90; "
+    "untapered and Hann.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     for (words, of), window in product(STATISTICS.items(), WINDOWS):
         parts = []
@@ -78,20 +131,30 @@ def _(see: Evidence) -> Iterator[Reading]:
         yield from either({"statistic": words, "window": window}, no_improvement=pooled(*parts))
 
 
-@claim("A6", "around k = 1 spurious DSVs are negligible in every case", "sec:angwidth",
-       "Mean of |c|, or mean + 2 sd, below the smaller resolution at |k - 1| <= 0.1, or at k = 1 alone, in all of the "
-       "case; untapered and Hann.")
+@claim(
+    "A6",
+    "around k = 1 spurious DSVs are negligible in every case",
+    "sec:angwidth",
+    "Mean of |c|, or mean + 2 sd, below the smaller resolution at |k - 1| <= 0.1, or at k = 1 alone, in all of the "
+    "case; untapered and Hann.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     bands = {"0.9 to 1.1": NEAR, "1": lambda k: np.abs(k - 1) < 1e-6}
     for (level, of), window, (band, inside) in product(LEVELS.items(), WINDOWS, bands.items()):
         ensembles = [see(sea(angle, spread), window) for angle, spread in product(DIRECTIONS, SPREADS)]
-        yield from every({"level": level, "window": window, "k": band}, negligible=pooled(*(
-            below(of(e).at(inside), smaller(e)[inside(e.wavenumbers)]) for e in ensembles)))
+        yield from every(
+            {"level": level, "window": window, "k": band},
+            negligible=pooled(*(below(of(e).at(inside), smaller(e)[inside(e.wavenumbers)]) for e in ensembles)),
+        )
 
 
-@claim("A7", "untapered, theta0 matters strongly; tapered, its influence is greatly reduced", "sec:DSV_example",
-       "Differences between theta0 = 60, 75, 90 at equal spread: untapered significant; under Hann smaller than "
-       "untapered, and by a significant amount.")
+@claim(
+    "A7",
+    "untapered, theta0 matters strongly; tapered, its influence is greatly reduced",
+    "sec:DSV_example",
+    "Differences between theta0 = 60, 75, 90 at equal spread: untapered significant; under Hann smaller than "
+    "untapered, and by a significant amount.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     for words, of in STATISTICS.items():
         matters, reduced = [], []
@@ -107,9 +170,13 @@ def _(see: Evidence) -> Iterator[Reading]:
         yield from either({"statistic": words}, untapered_matters=pooled(*matters), reduced=pooled(*reduced))
 
 
-@claim("A8", "Hann helps less for k < 1 than for k > 1", "sec:DSV_example",
-       "Help is the share of the untapered bias that Hann removes, or the amount in c0, mean over the shells of a "
-       "band; for all of the case, counted by configuration.")
+@claim(
+    "A8",
+    "Hann helps less for k < 1 than for k > 1",
+    "sec:DSV_example",
+    "Help is the share of the untapered bias that Hann removes, or the amount in c0, mean over the shells of a "
+    "band; for all of the case, counted by configuration.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     share, amount = [], []
     for angle, spread in product(DIRECTIONS, SPREADS):
@@ -120,10 +187,14 @@ def _(see: Evidence) -> Iterator[Reading]:
         yield from either({"help": words}, helps_less=pooled(*found))
 
 
-@claim("A9", "rotated videos: results with equal theta0 + theta_rot do not differ significantly", "sec:angwidth",
-       "Bias and random part of seas at theta0 turned by theta_rot (60 + 15, 60 + 30, 75 + 15, 45 + 45) against those "
-       "at the sum, spreads 15 and 60. Resampled images: 5 realisations of 60 + 30 deg with spread 60, L = 10, T = 20, "
-       "each image turned by cubic splines and cropped from a larger one, against the same sea turned exactly.")
+@claim(
+    "A9",
+    "rotated videos: results with equal theta0 + theta_rot do not differ significantly",
+    "sec:angwidth",
+    "Bias and random part of seas at theta0 turned by theta_rot (60 + 15, 60 + 30, 75 + 15, 45 + 45) against those "
+    "at the sum, spreads 15 and 60. Resampled images: 5 realisations of 60 + 30 deg with spread 60, L = 10, T = 20, "
+    "each image turned by cubic splines and cropped from a larger one, against the same sea turned exactly.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     for window in WINDOWS:
         same = []
@@ -133,35 +204,55 @@ def _(see: Evidence) -> Iterator[Reading]:
         yield from either({"turned": "sea", "window": window}, alike=pooled(*same))
         one = sea(60, 60, 30)
         images, exact = see(one, window, setting=Setting(resampled=True)), see(one, window)
-        yield from either({"turned": "images", "window": window},
-                          alike=alike(bias(images) - bias(exact), smaller(exact)))
+        yield from either(
+            {"turned": "images", "window": window}, alike=alike(bias(images) - bias(exact), smaller(exact))
+        )
 
 
-@claim("A10", "with Hann, even narrow spectra are below both resolutions", "sec:angwidth",
-       "Mean of |c|, or mean + 2 sd, below the smaller resolution at every shell; spread 15, theta0 = 60, 75, 90.")
+@claim(
+    "A10",
+    "with Hann, even narrow spectra are below both resolutions",
+    "sec:angwidth",
+    "Mean of |c|, or mean + 2 sd, below the smaller resolution at every shell; spread 15, theta0 = 60, 75, 90.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     for level, of in LEVELS.items():
         ensembles = [see(sea(angle, 15), "hann") for angle in DIRECTIONS]
         yield from every({"level": level}, sub_resolution=pooled(*(below(of(e), smaller(e)) for e in ensembles)))
 
 
-@claim("A11", "untapered biases grow towards theta0 = 45 deg, away from the peak", "sec:conclusions",
-       "Bias rises with each step 90, 75, 60, 45 deg, or from 90 to 45, at |k - 1| > 0.1; all spreads together.")
+@claim(
+    "A11",
+    "untapered biases grow towards theta0 = 45 deg, away from the peak",
+    "sec:conclusions",
+    "Bias rises with each step 90, 75, 60, 45 deg, or from 90 to 45, at |k - 1| > 0.1; all spreads together.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     for words, steps in (("90 to 45", [(90, 45)]), ("each", list(pairwise((90, 75, 60, 45))))):
-        grows = [above((bias(see(sea(b, spread), "box")) - bias(see(sea(a, spread), "box"))).at(AWAY))
-                 for (a, b), spread in product(steps, SPREADS)]
+        grows = [
+            above((bias(see(sea(b, spread), "box")) - bias(see(sea(a, spread), "box"))).at(AWAY))
+            for (a, b), spread in product(steps, SPREADS)
+        ]
         yield from either({"step": words}, grows=pooled(*grows))
 
 
-@claim("A12", "without current, untapered biases can reach a significant fraction of the peak phase velocity; for "
-       "spreads below 60 deg, the order of the group velocity", "abstract, sec:conclusions",
-       "Largest bias of all seas of case-theta0-DeltaTheta and case-gamma over 10 % of c0; the largest for each spread "
-       "below 60 deg over the group velocity, at the shell or of the peak, nearer to 1 than to 10 or 1/10 (between "
-       "10^-1/2 and 10^1/2).")
+@claim(
+    "A12",
+    "without current, untapered biases can reach a significant fraction of the peak phase velocity; for "
+    "spreads below 60 deg, the order of the group velocity",
+    "abstract, sec:conclusions",
+    "Largest bias of all seas of case-theta0-DeltaTheta and case-gamma over 10 % of c0; the largest for each spread "
+    "below 60 deg over the group velocity, at the shell or of the peak, nearer to 1 than to 10 or 1/10 (between "
+    "10^-1/2 and 10^1/2).",
+)
 def _(see: Evidence) -> Iterator[Reading]:
-    seas = {spread: [see(one, "box") for one in (*(sea(a, spread) for a in DIRECTIONS),
-                                                 *(peaked(spread, gamma) for gamma in GAMMAS))] for spread in SPREADS}
+    seas = {
+        spread: [
+            see(one, "box")
+            for one in (*(sea(a, spread) for a in DIRECTIONS), *(peaked(spread, gamma) for gamma in GAMMAS))
+        ]
+        for spread in SPREADS
+    }
     largest = max((e for members in seas.values() for e in members), key=lambda e: float(np.nanmax(e.bias)))
     top = int(np.nanargmax(largest.bias))
     reach = bias(largest).at(lambda k: k == largest.wavenumbers[top])
@@ -177,21 +268,33 @@ def _(see: Evidence) -> Iterator[Reading]:
         yield from every({"group velocity": words}, fraction_of_c0=above(reach, 0.1), order=pooled(*order))
 
 
-@claim("A13", "for spreads above 60 deg spurious DSVs are below resolution", "sec:conclusions",
-       "Mean of |c|, or mean + 2 sd, below the smaller or larger resolution; spreads 75, 90, 120, theta0 = 60, 75, 90; "
-       "untapered and Hann.")
+@claim(
+    "A13",
+    "for spreads above 60 deg spurious DSVs are below resolution",
+    "sec:conclusions",
+    "Mean of |c|, or mean + 2 sd, below the smaller or larger resolution; spreads 75, 90, 120, theta0 = 60, 75, 90; "
+    "untapered and Hann.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     for level, resolution, window in product(LEVELS, RESOLUTIONS, WINDOWS):
         ensembles = [see(sea(angle, spread), window) for angle, spread in product(DIRECTIONS, WIDER)]
-        yield from either({"level": level, "resolution": resolution, "window": window}, sub_resolution=pooled(*(
-            below(LEVELS[level](e), RESOLUTIONS[resolution](*e.resolutions)) for e in ensembles)))
+        yield from either(
+            {"level": level, "resolution": resolution, "window": window},
+            sub_resolution=pooled(
+                *(below(LEVELS[level](e), RESOLUTIONS[resolution](*e.resolutions)) for e in ensembles)
+            ),
+        )
 
 
-@claim("A14", "0 < theta0 < 90 deg, k < 1: leakage from the peak may have no axis-parallel projection on the cylinder; "
-       "then it does not affect the DSV", "sec:NSP_and_leakage",
-       "theta0 = 45, spread 15, L = 20, T = 20, at the shells that no line along an axis from a wave within 10 % of "
-       "k = 1 meets: those waves left out, paired, the mean change of the DSV is below 10 % of the smaller resolution "
-       "(not significant), or below it (negligible). The change at theta0 = 90 is given beside it.")
+@claim(
+    "A14",
+    "0 < theta0 < 90 deg, k < 1: leakage from the peak may have no axis-parallel projection on the cylinder; "
+    "then it does not affect the DSV",
+    "sec:NSP_and_leakage",
+    "theta0 = 45, spread 15, L = 20, T = 20, at the shells that no line along an axis from a wave within 10 % of "
+    "k = 1 meets: those waves left out, paired, the mean change of the DSV is below 10 % of the smaller resolution "
+    "(not significant), or below it (negligible). The change at theta0 = 90 is given beside it.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     waves = CLEAR_OF_PEAK.components(0)
     peak = peak_waves(waves)
@@ -205,6 +308,13 @@ def _(see: Evidence) -> Iterator[Reading]:
             changes.append(moved.at(lambda k: k + width < nearest))
         limit = part * smaller(whole)[whole.wavenumbers + width < nearest]
         for reading in every({"window": window, "no effect": f"below {words}"}, unaffected=below(changes[0], limit)):
-            yield Reading(reading.choices, reading.holds, {
-                "shells": changes[0].k.size, "change_over_limit": [float(f"{x:.3g}") for x in changes[0].mean / limit],
-                "change_over_limit_at_90": [float(f"{x:.3g}") for x in changes[1].mean / limit]}, reading.tallies)
+            yield Reading(
+                reading.choices,
+                reading.holds,
+                {
+                    "shells": changes[0].k.size,
+                    "change_over_limit": [float(f"{x:.3g}") for x in changes[0].mean / limit],
+                    "change_over_limit_at_90": [float(f"{x:.3g}") for x in changes[1].mean / limit],
+                },
+                reading.tallies,
+            )

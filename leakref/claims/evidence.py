@@ -19,8 +19,8 @@ from leakref import fast, kept, leakage, leastsquares, nsp, runs, sources
 from leakref._base import FloatArray, LeakrefError
 from leakref.cases import Configuration
 from leakref.chain import analyse
-from leakref.methods import METHODS
 from leakref.ensemble import Ensemble
+from leakref.methods import METHODS
 from leakref.sea import Components
 from leakref.shell import Shell, shell_at
 from leakref.spectrum import fourier
@@ -64,8 +64,9 @@ class Evidence:
         self._kept: dict[tuple[object, ...], Ensemble] = {}
         self._seconds: dict[Configuration, dict[str, FloatArray]] = {}
 
-    def __call__(self, configuration: Configuration, window: str, method: str = "nsp",
-                 setting: Setting = PLAIN) -> Ensemble:
+    def __call__(
+        self, configuration: Configuration, window: str, method: str = "nsp", setting: Setting = PLAIN
+    ) -> Ensemble:
         key = (configuration, setting)
         if (*key, window, method) not in self._kept:
             found = self._plain(configuration) if setting == PLAIN else self._special(configuration, setting)
@@ -83,8 +84,9 @@ class Evidence:
         return self._seconds[configuration]
 
     def _plain(self, configuration: Configuration) -> list[Ensemble]:
-        return next(runs.run([configuration], realizations=self.realizations, folder=self.folder,
-                             executor=self.executor))
+        return next(
+            runs.run([configuration], realizations=self.realizations, folder=self.folder, executor=self.executor)
+        )
 
     def _special(self, configuration: Configuration, setting: Setting) -> list[Ensemble]:
         numbers = range(min(self.realizations, RESAMPLED) if setting.resampled else self.realizations)
@@ -92,17 +94,26 @@ class Evidence:
         found = list(map(_special, *given) if self.executor is None else self.executor.map(_special, *given))
         velocities = np.array(found)  # (R, w, m, n, 2)
         notes = np.zeros(velocities.shape[0::3], dtype=np.int64)
-        return [Ensemble(configuration, window, method, configuration.wavenumbers, velocities[:, w, m], notes)
-                for w, window in enumerate(configuration.windows) for m, method in enumerate(METHODS)]
+        return [
+            Ensemble(configuration, window, method, configuration.wavenumbers, velocities[:, w, m], notes)
+            for w, window in enumerate(configuration.windows)
+            for m, method in enumerate(METHODS)
+        ]
 
 
 def _special(configuration: Configuration, realization: int, setting: Setting, folder: Path | None) -> FloatArray:
     """Velocities (w, m, n, 2) under a setting, from the folder if they are there."""
     about = {"configuration": asdict(configuration), "setting": asdict(setting), "source": source_digest()}
     shape = (len(configuration.windows), len(METHODS), configuration.wavenumbers.size, 2)
-    return kept_velocities(folder and folder / f"claims-{kept.key(about)}" / f"{realization:05d}.npz",
-                           {**about, "realization": realization}, shape,
-                           _computed, configuration, realization, setting)
+    return kept_velocities(
+        folder and folder / f"claims-{kept.key(about)}" / f"{realization:05d}.npz",
+        {**about, "realization": realization},
+        shape,
+        _computed,
+        configuration,
+        realization,
+        setting,
+    )
 
 
 @cache
@@ -111,8 +122,9 @@ def source_digest() -> str:
     return sources.digest(__name__)
 
 
-def kept_velocities(path: Path | None, about: kept.About, shape: tuple[int, ...],
-                    compute: Callable[..., FloatArray], *given: Any) -> FloatArray:
+def kept_velocities(
+    path: Path | None, about: kept.About, shape: tuple[int, ...], compute: Callable[..., FloatArray], *given: Any
+) -> FloatArray:
     """Velocities from the file `path` if they are there, else `compute(*given)` in one thread, and left there."""
     found = path and kept.arrays(path, about, velocities=shape)
     if found:
@@ -132,8 +144,9 @@ def _computed(configuration: Configuration, realization: int, setting: Setting) 
     if setting.without_peak:
         rest = ~peak_waves(waves)
         waves = Components(*(getattr(waves, name)[rest] for name in waves.__dataclass_fields__))
-    found = fast.realize(waves, configuration.grid, k, windows=windows, width=setting.width,
-                         threshold=setting.threshold, search=False)
+    found = fast.realize(
+        waves, configuration.grid, k, windows=windows, width=setting.width, threshold=setting.threshold, search=False
+    )
     return np.array([[found[window, method].velocities for method in METHODS] for window in windows])
 
 
@@ -155,24 +168,31 @@ def resampled(configuration: Configuration, realization: int) -> FloatArray:
         for m, image in enumerate(np.moveaxis(synthesize(waves, x, x, times), 2, 0), start):
             turned[:, :, m] = affine_transform(image, back, offset, output_shape=(n, n), order=3)
     spectra = [fourier(turned, grid, window) for window in configuration.windows]
-    return np.array([[analyse(spectrum, configuration.wavenumbers, method=method, search=False).velocities
-                      for method in METHODS] for spectrum in spectra])
+    return np.array(
+        [
+            [analyse(spectrum, configuration.wavenumbers, method=method, search=False).velocities for method in METHODS]
+            for spectrum in spectra
+        ]
+    )
 
 
 def _timed(configuration: Configuration, repeats: int = 3) -> dict[str, FloatArray]:
     """Seconds per shell, the best of `repeats`, (n,) each: the bins picked, and the current found by NSP, by LS in
     closed form and by LS with Nelder-Mead, as the paper has it."""
     k, dk = configuration.wavenumbers, configuration.grid.wavenumber_resolution
-    spectrum = leakage.spectrum(configuration.components(0), configuration.grid, "hann",
-                                largest_wavenumber=float(k.max()) + 3 * dk)
+    spectrum = leakage.spectrum(
+        configuration.components(0), configuration.grid, "hann", largest_wavenumber=float(k.max()) + 3 * dk
+    )
     a = nsp.WIDTH * configuration.grid.frequency_resolution
     seconds: dict[str, FloatArray] = {}
     with runs.one_thread():
         shells = [shell_at(spectrum, k_i) for k_i in k]
-        for name, work in (("shell", lambda i: shell_at(spectrum, float(k[i]))),
-                           ("nsp", lambda i: nsp.optimum(shells[i], a, 1.0, search=False)),
-                           ("ls", lambda i: leastsquares.optimum(shells[i])),
-                           ("ls by Nelder-Mead", lambda i: _least_squares_by_simplex(shells[i]))):
+        for name, work in (
+            ("shell", lambda i: shell_at(spectrum, float(k[i]))),
+            ("nsp", lambda i: nsp.optimum(shells[i], a, 1.0, search=False)),
+            ("ls", lambda i: leastsquares.optimum(shells[i])),
+            ("ls by Nelder-Mead", lambda i: _least_squares_by_simplex(shells[i])),
+        ):
             seconds[name] = np.min([[_clocked(work, i) for i in range(k.size)] for _ in range(repeats)], axis=0)
     return seconds
 
@@ -189,5 +209,9 @@ def _least_squares_by_simplex(shell: Shell) -> Sequence[float]:
     column, m = np.nonzero(power >= leastsquares.THRESHOLD)
     kx, ky, shift = shell.kx[column], shell.ky[column], shell.omega[m] - shell.intrinsic[column]
     simplex = np.array([[0.0, 0.0], [nsp.START, 0.0], [0.0, nsp.START]])
-    return minimize(lambda c: np.sum((kx * c[0] + ky * c[1] - shift) ** 2), simplex[0], method="Nelder-Mead",
-                    options={"initial_simplex": simplex, "xatol": 1e-8, "fatol": np.inf}).x
+    return minimize(
+        lambda c: np.sum((kx * c[0] + ky * c[1] - shift) ** 2),
+        simplex[0],
+        method="Nelder-Mead",
+        options={"initial_simplex": simplex, "xatol": 1e-8, "fatol": np.inf},
+    ).x

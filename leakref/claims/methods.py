@@ -10,8 +10,26 @@ import numpy as np
 from leakref.cases import CASES
 from leakref.claims.evidence import PLAIN, Evidence, Setting
 from leakref.claims.registry import claim
-from leakref.claims.words import (ABOVE, BELOW, LEVELS, RESOLUTIONS, STATISTICS, WINDOWS, Band, Reading, Sample, Tally,
-                                  above, below, either, every, most, pooled, random, smaller)
+from leakref.claims.words import (
+    ABOVE,
+    BELOW,
+    LEVELS,
+    RESOLUTIONS,
+    STATISTICS,
+    WINDOWS,
+    Band,
+    Reading,
+    Sample,
+    Tally,
+    above,
+    below,
+    either,
+    every,
+    most,
+    pooled,
+    random,
+    smaller,
+)
 from leakref.ensemble import Ensemble
 
 _CASE = CASES["nsp-ls"][0]
@@ -25,75 +43,114 @@ def _over_limit(e: Ensemble, level: Sample, resolution: str, band: Band) -> Tall
     return above(level.at(band), RESOLUTIONS[resolution](*e.resolutions)[inside])
 
 
-@claim("N1", "LS biases exceed the velocity resolutions at most wavenumbers", "sec:LSvsNSP",
-       "Mean, one and two standard deviations of |c| above the larger (both resolutions) or smaller (one) at over half "
-       "of the shells; untapered and Hann. LS keeps bins above 0.2 of the largest P of the shell, or of sqrt P (D7).")
+@claim(
+    "N1",
+    "LS biases exceed the velocity resolutions at most wavenumbers",
+    "sec:LSvsNSP",
+    "Mean, one and two standard deviations of |c| above the larger (both resolutions) or smaller (one) at over half "
+    "of the shells; untapered and Hann. LS keeps bins above 0.2 of the largest P of the shell, or of sqrt P (D7).",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     levels = {"mean": STATISTICS["bias"], "1 sd": random, "2 sd": lambda e: 2 * random(e)}
-    for (cut, setting), (level, of), resolution, window in product(_THRESHOLDS.items(), levels.items(),
-                                                                   ("larger", "smaller"), WINDOWS):
+    for (cut, setting), (level, of), resolution, window in product(
+        _THRESHOLDS.items(), levels.items(), ("larger", "smaller"), WINDOWS
+    ):
         e = see(_CASE, window, "ls", setting)
-        yield from most({"threshold (D7)": cut, "level": level, "resolution": resolution, "window": window},
-                        exceeds=above(of(e), RESOLUTIONS[resolution](*e.resolutions)))
+        yield from most(
+            {"threshold (D7)": cut, "level": level, "resolution": resolution, "window": window},
+            exceeds=above(of(e), RESOLUTIONS[resolution](*e.resolutions)),
+        )
 
 
-@claim("N2", "NSP is below resolution for all k > 1", "sec:LSvsNSP",
-       "Mean of |c|, or mean + 2 sd, below the smaller or larger resolution at every k > 1; untapered and Hann.")
+@claim(
+    "N2",
+    "NSP is below resolution for all k > 1",
+    "sec:LSvsNSP",
+    "Mean of |c|, or mean + 2 sd, below the smaller or larger resolution at every k > 1; untapered and Hann.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     for level, resolution, window in product(LEVELS, RESOLUTIONS, WINDOWS):
         e = see(_CASE, window)
         limit = RESOLUTIONS[resolution](*e.resolutions)[ABOVE(e.wavenumbers)]
-        yield from every({"level": level, "resolution": resolution, "window": window},
-                         sub_resolution=below(LEVELS[level](e).at(ABOVE), limit))
+        yield from every(
+            {"level": level, "resolution": resolution, "window": window},
+            sub_resolution=below(LEVELS[level](e).at(ABOVE), limit),
+        )
 
 
-@claim("N3", "for k < 1 NSP is worse than LS", "sec:LSvsNSP",
-       "Bias, or random part, of NSP above that of LS at k < 1, paired; untapered and Hann.")
+@claim(
+    "N3",
+    "for k < 1 NSP is worse than LS",
+    "sec:LSvsNSP",
+    "Bias, or random part, of NSP above that of LS at k < 1, paired; untapered and Hann.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     for (cut, setting), (words, of), window in product(_THRESHOLDS.items(), STATISTICS.items(), WINDOWS):
         worse = of(see(_CASE, window)) - of(see(_CASE, window, "ls", setting))
-        yield from either({"threshold (D7)": cut, "statistic": words, "window": window},
-                          nsp_worse=above(worse.at(BELOW)))
+        yield from either(
+            {"threshold (D7)": cut, "statistic": words, "window": window}, nsp_worse=above(worse.at(BELOW))
+        )
 
 
-@claim("N4", "for k < 1 the random part makes both unusable", "sec:LSvsNSP",
-       "Unusable: one, or two, standard deviations of |c| above the larger or smaller resolution, for NSP and for LS, "
-       "at k < 1; untapered and Hann.")
+@claim(
+    "N4",
+    "for k < 1 the random part makes both unusable",
+    "sec:LSvsNSP",
+    "Unusable: one, or two, standard deviations of |c| above the larger or smaller resolution, for NSP and for LS, "
+    "at k < 1; untapered and Hann.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     for (cut, setting), sd, resolution, window in product(_THRESHOLDS.items(), (2, 1), ("larger", "smaller"), WINDOWS):
-        nsp, ls = (_over_limit(e, sd * random(e), resolution, BELOW)
-                   for e in (see(_CASE, window), see(_CASE, window, "ls", setting)))
-        yield from either({"threshold (D7)": cut, "level": f"{sd} sd", "resolution": resolution, "window": window},
-                          nsp=nsp, ls=ls)
+        nsp, ls = (
+            _over_limit(e, sd * random(e), resolution, BELOW)
+            for e in (see(_CASE, window), see(_CASE, window, "ls", setting))
+        )
+        yield from either(
+            {"threshold (D7)": cut, "level": f"{sd} sd", "resolution": resolution, "window": window}, nsp=nsp, ls=ls
+        )
 
 
-@claim("N5", "LS is consistently worse than NSP, never better, for practical purposes", "sec:LSvsNSP",
-       "Bias and random part of LS above those of NSP, k > 1 and k < 1 apart: at every shell, or at most shells and at "
-       "none significantly better; untapered and Hann.")
+@claim(
+    "N5",
+    "LS is consistently worse than NSP, never better, for practical purposes",
+    "sec:LSvsNSP",
+    "Bias and random part of LS above those of NSP, k > 1 and k < 1 apart: at every shell, or at most shells and at "
+    "none significantly better; untapered and Hann.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     bands = {"k > 1": ABOVE, "k < 1": BELOW}
     for (cut, setting), (band, inside), window in product(_THRESHOLDS.items(), bands.items(), WINDOWS):
         nsp, ls = see(_CASE, window), see(_CASE, window, "ls", setting)
         differences = [(of(ls) - of(nsp)).at(inside) for of in STATISTICS.values()]
         worse = pooled(*map(above, differences))
-        yield from every({"threshold (D7)": cut, "band": band, "window": window, "holds at": "every shell"},
-                         worse=worse)
+        yield from every(
+            {"threshold (D7)": cut, "band": band, "window": window, "holds at": "every shell"}, worse=worse
+        )
         limit = 0.1 * smaller(nsp)[inside(nsp.wavenumbers)]  # where there is no number, nothing is better
         better = sum(int((d.mean < -np.maximum(2 * np.nan_to_num(d.error), limit)).sum()) for d in differences)
-        yield Reading({"threshold (D7)": cut, "band": band, "window": window, "holds at": "most shells, never better"},
-                      False if better else worse.most, {**worse.figure, "significantly_better": better},
-                      {"worse": worse})
+        yield Reading(
+            {"threshold (D7)": cut, "band": band, "window": window, "holds at": "most shells, never better"},
+            False if better else worse.most,
+            {**worse.figure, "significantly_better": better},
+            {"worse": worse},
+        )
 
 
-@claim("N6", "LS is up to 3 times faster", "sec:LSvsNSP",
-       "Seconds of NSP over seconds of LS per shell, on this machine, the best of three, the largest within 10 % of 3: "
-       "the minimisation alone or with the picking of the bins, LS minimised by Nelder-Mead as in the paper or in "
-       "closed form. A timing: it changes from run to run.")
+@claim(
+    "N6",
+    "LS is up to 3 times faster",
+    "sec:LSvsNSP",
+    "Seconds of NSP over seconds of LS per shell, on this machine, the best of three, the largest within 10 % of 3: "
+    "the minimisation alone or with the picking of the bins, LS minimised by Nelder-Mead as in the paper or in "
+    "closed form. A timing: it changes from run to run.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     seconds = see.seconds(_CASE)
     for words, shared in (("with picking the bins", seconds["shell"]), ("alone", 0.0)):
         for name in ("ls by Nelder-Mead", "ls"):
             ratio = (seconds["nsp"] + shared) / (seconds[name] + shared)
-            yield Reading({"timed": words, "LS": "closed form (D8)" if name == "ls" else "Nelder-Mead"},
-                          bool(2.7 <= ratio.max() <= 3.3 and ratio.min() > 1),
-                          {"largest": float(f"{ratio.max():.3g}"), "smallest": float(f"{ratio.min():.3g}")})
+            yield Reading(
+                {"timed": words, "LS": "closed form (D8)" if name == "ls" else "Nelder-Mead"},
+                bool(2.7 <= ratio.max() <= 3.3 and ratio.min() > 1),
+                {"largest": float(f"{ratio.max():.3g}"), "smallest": float(f"{ratio.min():.3g}")},
+            )

@@ -8,53 +8,104 @@ from itertools import combinations, pairwise, product
 from leakref.claims.configurations import GAMMAS, SPREADS, peaked, sea
 from leakref.claims.evidence import Evidence
 from leakref.claims.registry import claim
-from leakref.claims.words import (ABOVE, ALL, AWAY, BELOW, LEVELS, RESOLUTIONS, STATISTICS, WINDOWS, Reading, above,
-                                  alike, below, bias, either, every, magnitude, pooled, random, ratio, smaller,
-                                  within)
+from leakref.claims.words import (
+    ABOVE,
+    ALL,
+    AWAY,
+    BELOW,
+    LEVELS,
+    RESOLUTIONS,
+    STATISTICS,
+    WINDOWS,
+    Reading,
+    above,
+    alike,
+    below,
+    bias,
+    either,
+    every,
+    magnitude,
+    pooled,
+    random,
+    ratio,
+    smaller,
+    within,
+)
 
 _PARTS = {name.replace(" ", "_"): of for name, of in STATISTICS.items()}
 
 
-@claim("P1", "narrow spread: a larger gamma raises bias and random part at all k but near k = 1", "sec:peakedness",
-       "Spread 15: both rise from gamma 1 to 7, or in each step 1, 3.3, 7, at every |k - 1| > 0.1, paired; untapered "
-       "and Hann.")
+@claim(
+    "P1",
+    "narrow spread: a larger gamma raises bias and random part at all k but near k = 1",
+    "sec:peakedness",
+    "Spread 15: both rise from gamma 1 to 7, or in each step 1, 3.3, 7, at every |k - 1| > 0.1, paired; untapered "
+    "and Hann.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     for words, steps in (("1 to 7", [(1.0, 7.0)]), ("each", list(pairwise(GAMMAS)))):
         for window in WINDOWS:
-            yield from every({"step": words, "window": window}, **{name: pooled(*(
-                above((of(see(peaked(15, b), window)) - of(see(peaked(15, a), window))).at(AWAY)) for a, b in steps))
-                for name, of in _PARTS.items()})
+            yield from every(
+                {"step": words, "window": window},
+                **{
+                    name: pooled(
+                        *(
+                            above((of(see(peaked(15, b), window)) - of(see(peaked(15, a), window))).at(AWAY))
+                            for a, b in steps
+                        )
+                    )
+                    for name, of in _PARTS.items()
+                },
+            )
 
 
-@claim("P2", "a wider spread removes most of that, especially at high k, where biases become sub-resolution",
-       "sec:peakedness",
-       "The rise of bias and random part from gamma 1 to 7, mean over |k - 1| > 0.1, is at spread 60 less than half of "
-       "that at 15; the share that is left is smaller at k > 1 than at k < 1; at spread 60 and k > 1 the mean of |c|, "
-       "or mean + 2 sd, is below the smaller or larger resolution. Untapered and Hann.")
+@claim(
+    "P2",
+    "a wider spread removes most of that, especially at high k, where biases become sub-resolution",
+    "sec:peakedness",
+    "The rise of bias and random part from gamma 1 to 7, mean over |k - 1| > 0.1, is at spread 60 less than half of "
+    "that at 15; the share that is left is smaller at k > 1 than at k < 1; at spread 60 and k > 1 the mean of |c|, "
+    "or mean + 2 sd, is below the smaller or larger resolution. Untapered and Hann.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     for window, level, resolution in product(WINDOWS, LEVELS, RESOLUTIONS):
         removed, better_high = [], []
         for of in STATISTICS.values():
-            narrow, wide = ((of(see(peaked(spread, 7.0), window)) - of(see(peaked(spread, 1.0), window))).at(AWAY)
-                            for spread in (15, 60))
+            narrow, wide = (
+                (of(see(peaked(spread, 7.0), window)) - of(see(peaked(spread, 1.0), window))).at(AWAY)
+                for spread in (15, 60)
+            )
             removed.append(above(0.5 * narrow.over() - wide.over()))
             low, high = (ratio(wide.over(band), narrow.over(band)) for band in (BELOW, ABOVE))
             better_high.append(above(low - high))
         ensembles = [see(peaked(60, gamma), window) for gamma in GAMMAS]
-        fine = pooled(*(below(LEVELS[level](e).at(ABOVE),
-                              RESOLUTIONS[resolution](*e.resolutions)[ABOVE(e.wavenumbers)]) for e in ensembles))
-        yield from every({"window": window, "level": level, "resolution": resolution}, most_removed=pooled(*removed),
-                         above_all_high_k=pooled(*better_high), sub_resolution=fine)
+        fine = pooled(
+            *(
+                below(LEVELS[level](e).at(ABOVE), RESOLUTIONS[resolution](*e.resolutions)[ABOVE(e.wavenumbers)])
+                for e in ensembles
+            )
+        )
+        yield from every(
+            {"window": window, "level": level, "resolution": resolution},
+            most_removed=pooled(*removed),
+            above_all_high_k=pooled(*better_high),
+            sub_resolution=fine,
+        )
 
 
-@claim("P3", "untapered, above 45 deg the DSVs no longer depend on the spread (this changes with resolution)",
-       "sec:peakedness",
-       "Bias and random part at spreads 45 and 60, or 60 and 90, do not differ significantly (theta0 = 60, gamma 3.3, "
-       "L = 10); and the change of bias from 45 to 60, mean over shells, is another at L = 5 or 20, by two standard "
-       "errors.")
+@claim(
+    "P3",
+    "untapered, above 45 deg the DSVs no longer depend on the spread (this changes with resolution)",
+    "sec:peakedness",
+    "Bias and random part at spreads 45 and 60, or 60 and 90, do not differ significantly (theta0 = 60, gamma 3.3, "
+    "L = 10); and the change of bias from 45 to 60, mean over shells, is another at L = 5 or 20, by two standard "
+    "errors.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
-    change = {length: (bias(see(peaked(45, 3.3, length), "box")) - bias(see(peaked(60, 3.3, length), "box"))).over()
-              for length in (5.0, 10.0, 20.0)}
+    change = {
+        length: (bias(see(peaked(45, 3.3, length), "box")) - bias(see(peaked(60, 3.3, length), "box"))).over()
+        for length in (5.0, 10.0, 20.0)
+    }
     off = [above(magnitude(change[length] - change[10.0])) for length in (5.0, 20.0)]
     for words, (a, b) in (("45 and 60", (peaked(45), peaked(60))), ("60 and 90", (peaked(60), sea(60, 90)))):
         one, other = see(a, "box"), see(b, "box")
@@ -62,34 +113,57 @@ def _(see: Evidence) -> Iterator[Reading]:
         yield from either({"spreads": words}, independent=same, changes_with_resolution=pooled(*off))
 
 
-@claim("P4", "untapered, every DSV at k < 1 is unreliable", "sec:peakedness",
-       "Unreliable: mean of |c|, or mean + 2 sd, above the smaller or larger resolution; all of the case; at every "
-       "k < 1, or leaving out k about 1 (k < 0.9).")
+@claim(
+    "P4",
+    "untapered, every DSV at k < 1 is unreliable",
+    "sec:peakedness",
+    "Unreliable: mean of |c|, or mean + 2 sd, above the smaller or larger resolution; all of the case; at every "
+    "k < 1, or leaving out k about 1 (k < 0.9).",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     bands = {"k < 1": BELOW, "k < 0.9": lambda k: BELOW(k) & AWAY(k)}
     for (band, inside), level, resolution in product(bands.items(), LEVELS, RESOLUTIONS):
         ensembles = [see(peaked(spread, gamma), "box") for spread, gamma in product(SPREADS, GAMMAS)]
-        yield from every({"band": band, "level": level, "resolution": resolution}, unreliable=pooled(*(
-            above(LEVELS[level](e).at(inside), RESOLUTIONS[resolution](*e.resolutions)[inside(e.wavenumbers)])
-            for e in ensembles)))
+        yield from every(
+            {"band": band, "level": level, "resolution": resolution},
+            unreliable=pooled(
+                *(
+                    above(LEVELS[level](e).at(inside), RESOLUTIONS[resolution](*e.resolutions)[inside(e.wavenumbers)])
+                    for e in ensembles
+                )
+            ),
+        )
 
 
-@claim("P5", "with Hann, below resolution even for gamma = 7, spread 15 deg", "sec:peakedness",
-       "Random and mean biases: mean and one, or two, sd of |c|, or mean + 2 sd, below the smaller or larger "
-       "resolution at every shell.")
+@claim(
+    "P5",
+    "with Hann, below resolution even for gamma = 7, spread 15 deg",
+    "sec:peakedness",
+    "Random and mean biases: mean and one, or two, sd of |c|, or mean + 2 sd, below the smaller or larger "
+    "resolution at every shell.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     e = see(peaked(15, 7.0), "hann")
-    levels = {"mean and 1 sd": [bias(e), random(e)], "mean and 2 sd": [bias(e), 2 * random(e)],
-              "mean + 2 sd": [LEVELS["mean + 2 sd"](e)]}
+    levels = {
+        "mean and 1 sd": [bias(e), random(e)],
+        "mean and 2 sd": [bias(e), 2 * random(e)],
+        "mean + 2 sd": [LEVELS["mean + 2 sd"](e)],
+    }
     for (words, samples), resolution in product(levels.items(), RESOLUTIONS):
         limit = RESOLUTIONS[resolution](*e.resolutions)
-        yield from every({"level": words, "resolution": resolution},
-                         sub_resolution=pooled(*(below(s.at(ALL), limit) for s in samples)))
+        yield from every(
+            {"level": words, "resolution": resolution},
+            sub_resolution=pooled(*(below(s.at(ALL), limit) for s in samples)),
+        )
 
 
-@claim("P6", "with Hann the dependence on the spread is effectively gone", "sec:peakedness",
-       "Bias, or random part, at any two spreads 15 to 60, equal gamma: not significantly different, or closer than "
-       "the smaller resolution.")
+@claim(
+    "P6",
+    "with Hann the dependence on the spread is effectively gone",
+    "sec:peakedness",
+    "Bias, or random part, at any two spreads 15 to 60, equal gamma: not significantly different, or closer than "
+    "the smaller resolution.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     for words, of in STATISTICS.items():
         insignificant, negligible = [], []

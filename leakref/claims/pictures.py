@@ -57,7 +57,7 @@ def picture(finding: Finding) -> Figure:
         for ax, (words, part, tally) in zip(axes.flat, panels, strict=False):
             _panel(ax, tally)
             ax.set_title("\n".join(textwrap.wrap(f"{words}: {part}" if words else part, 46)))
-        for ax in axes.flat[len(panels):]:
+        for ax in axes.flat[len(panels) :]:
             ax.set_axis_off()
         more = f" ({left_out} more panels in the JSON)" if left_out > 0 else ""
         drawing.suptitle("\n".join(textwrap.wrap(f"{_title(finding)}{more}", 36 * columns + 14)), fontsize=9)
@@ -72,13 +72,21 @@ def _title(finding: Finding) -> str:
 def _panel(ax: Any, tally: Tally) -> None:
     by_shell = np.ptp(tally.k) > 0 if tally.size else False
     at = tally.k if by_shell else np.arange(1, tally.size + 1)
-    masks = {"shown": tally.shown, "contradicted": tally.contradicted,
-             "open": ~(tally.shown | tally.contradicted)}
+    masks = {"shown": tally.shown, "contradicted": tally.contradicted, "open": ~(tally.shown | tally.contradicted)}
     for name, mask in masks.items():
         if mask.any():
             colour, marker, size = _LOOKS[name]
-            ax.errorbar(at[mask], tally.margin[mask], 2 * tally.error[mask], fmt=marker, ms=size, lw=0.8,
-                        color=colour, label=f"{name} {mask.sum()}", alpha=0.8)
+            ax.errorbar(
+                at[mask],
+                tally.margin[mask],
+                2 * tally.error[mask],
+                fmt=marker,
+                ms=size,
+                lw=0.8,
+                color=colour,
+                label=f"{name} {mask.sum()}",
+                alpha=0.8,
+            )
     ax.axhline(0, color="black", lw=0.8)
     usual = float(np.median(np.abs(tally.margin))) if tally.size else 0.0
     if usual and np.abs(tally.margin).max() > _FAR_OFF * usual:  # a few would press all others onto the axis
@@ -96,15 +104,22 @@ def _list(finding: Finding) -> Figure:
     """The readings in words; for a claim about windows, beside their transforms (fig:leakage_lobes)."""
     of_windows = finding.claim.id[0] == "W"
     with mpl.rc_context({"font.size": 8}):
-        drawing, axes = figure(1, 1 + of_windows, width=9 if of_windows else 6,
-                               height=max(2.4, 0.4 + 0.4 * len(finding.readings)))
+        drawing, axes = figure(
+            1, 1 + of_windows, width=9 if of_windows else 6, height=max(2.4, 0.4 + 0.4 * len(finding.readings))
+        )
         if of_windows:
             _transforms(axes[0, 0])
         ax = axes[0, -1]
         ax.set_axis_off()
         for row, reading in enumerate(finding.readings):
-            ax.text(0.0, 1 - (row + 0.5) / len(finding.readings), _lines(reading), transform=ax.transAxes, va="center",
-                    color={True: COLOURS[2], False: COLOURS[1], None: "0.4"}[reading.holds])
+            ax.text(
+                0.0,
+                1 - (row + 0.5) / len(finding.readings),
+                _lines(reading),
+                transform=ax.transAxes,
+                va="center",
+                color={True: COLOURS[2], False: COLOURS[1], None: "0.4"}[reading.holds],
+            )
         drawing.suptitle("\n".join(textwrap.wrap(_title(finding), 100 if of_windows else 66)), fontsize=9)
     return drawing
 
@@ -118,8 +133,9 @@ def _transforms(ax: Any) -> None:
     v = np.linspace(0, 24, 4801)
     for name, colour in zip(("box", "hann", "blackman"), COLOURS, strict=False):
         taper = window(name)
-        ax.semilogy(v, np.maximum(np.abs(taper.transform(v) / taper.transform(0.0)), 1e-7), color=colour, lw=1,
-                    label=name)
+        ax.semilogy(
+            v, np.maximum(np.abs(taper.transform(v) / taper.transform(0.0)), 1e-7), color=colour, lw=1, label=name
+        )
     for level in (1e-2, 1e-3):
         ax.axhline(level, color="0.5", lw=0.8, ls="--")
     ax.set_ylim(1e-6, 1.5)
@@ -138,10 +154,19 @@ def decisions_figure(result: dict[str, Any]) -> Figure:
     shift, in units of the smaller resolution; what is below 1e-8 stands at the left edge.
     """
     methods = {name: record.title for name, record in METHODS.items()}
-    rows = {method: [(record["id"], variant, [row for row in variant["rows"]
-                                              if row["case"] == "all" and row["method"] == method])
-                     for record in result["decisions"] for variant in record["variants"]
-                     if any(row["method"] == method for row in variant["rows"])] for method in methods}
+    rows = {
+        method: [
+            (
+                record["id"],
+                variant,
+                [row for row in variant["rows"] if row["case"] == "all" and row["method"] == method],
+            )
+            for record in result["decisions"]
+            for variant in record["variants"]
+            if any(row["method"] == method for row in variant["rows"])
+        ]
+        for method in methods
+    }
     rows = {method: found for method, found in rows.items() if found}
     most = max(map(len, rows.values()))
     with mpl.rc_context({"font.size": 8, "axes.titlesize": 10}):
@@ -159,13 +184,18 @@ def decisions_figure(result: dict[str, Any]) -> Figure:
             ax.set_xlabel("shift / smaller resolution")
             ax.set_ylabel("what is done instead, and the decision (D)")
         _shift_legend(drawing)
-        drawing.suptitle("How far the velocities move if a decision is taken otherwise: median, 95th percentile, "
-                         f"largest; {result['realizations']} realisations of {len(result['configurations'])} seas")
+        drawing.suptitle(
+            "How far the velocities move if a decision is taken otherwise: median, 95th percentile, "
+            f"largest; {result['realizations']} realisations of {len(result['configurations'])} seas"
+        )
     return drawing
 
 
-_WINDOW_LOOKS = {"box": (COLOURS[1], "o", "untapered"), "hann": (COLOURS[0], "D", "Hann"),
-                 "kaiser-bessel": (COLOURS[2], "s", "Kaiser-Bessel")}
+_WINDOW_LOOKS = {
+    "box": (COLOURS[1], "o", "untapered"),
+    "hann": (COLOURS[0], "D", "Hann"),
+    "kaiser-bessel": (COLOURS[2], "s", "Kaiser-Bessel"),
+}
 
 
 def _label(id: str, variant: dict[str, Any]) -> str:
@@ -187,8 +217,10 @@ def _shift_lines(ax: Any, line: int, rows: list[dict[str, Any]]) -> None:
 
 
 def _shift_legend(drawing: Figure) -> None:
-    handles = [Line2D([], [], color=colour, marker=marker, ms=4, lw=2, label=words)
-               for colour, marker, words in _WINDOW_LOOKS.values()]
+    handles = [
+        Line2D([], [], color=colour, marker=marker, ms=4, lw=2, label=words)
+        for colour, marker, words in _WINDOW_LOOKS.values()
+    ]
     handles.append(Line2D([], [], ls="", label="* other waves: what chance does"))
     handles.append(Line2D([], [], color="0.4", ls=":", label="a tenth of the resolution; left edge: no shift"))
     drawing.legend(handles=handles, loc="outside lower center", ncols=len(handles))

@@ -59,10 +59,16 @@ class Finding:
 
     def record(self) -> dict[str, Any]:
         """As in the JSON of `leakref claims`: the figure is that of the first reading; `holds` null is open."""
-        return {"id": self.claim.id, "verdict": self.verdict, "figure": self.readings[0].figure,
-                "depends_on": self.depends_on, "words": self.claim.words, "label": self.claim.label,
-                "test": self.claim.test,
-                "readings": [{"reading": r.words, "holds": r.holds, "figure": r.figure} for r in self.readings]}
+        return {
+            "id": self.claim.id,
+            "verdict": self.verdict,
+            "figure": self.readings[0].figure,
+            "depends_on": self.depends_on,
+            "words": self.claim.words,
+            "label": self.claim.label,
+            "test": self.claim.test,
+            "readings": [{"reading": r.words, "holds": r.holds, "figure": r.figure} for r in self.readings],
+        }
 
 
 CLAIMS: dict[str, Claim] = {}

@@ -11,35 +11,74 @@ from leakref._base import FloatArray
 from leakref.claims.configurations import LENGTHS, domain
 from leakref.claims.evidence import Evidence
 from leakref.claims.registry import claim
-from leakref.claims.words import (ABOVE, ALL, LEVELS, RESOLUTIONS, STATISTICS, WINDOWS, Band, Reading, Tally, above,
-                                  alike, below, bias, either, every, magnitude, pooled, positive, smaller, within)
+from leakref.claims.words import (
+    ABOVE,
+    ALL,
+    LEVELS,
+    RESOLUTIONS,
+    STATISTICS,
+    WINDOWS,
+    Band,
+    Reading,
+    Tally,
+    above,
+    alike,
+    below,
+    bias,
+    either,
+    every,
+    magnitude,
+    pooled,
+    positive,
+    smaller,
+    within,
+)
 from leakref.ensemble import Ensemble
 
 _DURATIONS = (10.0, 20.0, 80.0)
 # twice the side against twice the duration; four times the area against four times the duration (L, T, factor)
-_EXCHANGES = {"factor 2 in side, in duration": [(5.0, 10.0, 2), (10.0, 10.0, 2)],
-              "factor 4 in area, in duration": [(5.0, 20.0, 4), (10.0, 20.0, 4)]}
+_EXCHANGES = {
+    "factor 2 in side, in duration": [(5.0, 10.0, 2), (10.0, 10.0, 2)],
+    "factor 4 in area, in duration": [(5.0, 20.0, 4), (10.0, 20.0, 4)],
+}
 
 
 def _larger_helps_more(see: Evidence, window: str, exchange: str) -> Tally:
     """Bias after a larger domain is below that after a longer video; (20, 10) against (10, 20) and so on."""
-    return pooled(*(above(bias(see(domain(length, factor * duration), window))
-                          - bias(see(domain(2 * length, duration), window)))
-                    for length, duration, factor in _EXCHANGES[exchange]))
+    return pooled(
+        *(
+            above(
+                bias(see(domain(length, factor * duration), window)) - bias(see(domain(2 * length, duration), window))
+            )
+            for length, duration, factor in _EXCHANGES[exchange]
+        )
+    )
 
 
-@claim("R1", "untapered, finer dk or finer domega lowers biases; dk matters more", "sec:resolution",
-       "Bias falls with each step L 5, 10, 20 at equal T and T 10, 20, 80 at equal L, at the shells that both have; "
-       "and is lower after twice the side than after twice the duration, or after four times the area than after four "
-       "times the duration.")
+@claim(
+    "R1",
+    "untapered, finer dk or finer domega lowers biases; dk matters more",
+    "sec:resolution",
+    "Bias falls with each step L 5, 10, 20 at equal T and T 10, 20, 80 at equal L, at the shells that both have; "
+    "and is lower after twice the side than after twice the duration, or after four times the area than after four "
+    "times the duration.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
-    finer_dk = [above(bias(see(domain(a, t), "box")) - bias(see(domain(b, t), "box")))
-                for (a, b), t in product(pairwise(LENGTHS), _DURATIONS)]
-    finer_domega = [above(bias(see(domain(length, a), "box")) - bias(see(domain(length, b), "box")))
-                    for (a, b), length in product(pairwise(_DURATIONS), LENGTHS)]
+    finer_dk = [
+        above(bias(see(domain(a, t), "box")) - bias(see(domain(b, t), "box")))
+        for (a, b), t in product(pairwise(LENGTHS), _DURATIONS)
+    ]
+    finer_domega = [
+        above(bias(see(domain(length, a), "box")) - bias(see(domain(length, b), "box")))
+        for (a, b), length in product(pairwise(_DURATIONS), LENGTHS)
+    ]
     for exchange in _EXCHANGES:
-        yield from either({"compared by": exchange}, finer_dk=pooled(*finer_dk), finer_domega=pooled(*finer_domega),
-                          dk_more=_larger_helps_more(see, "box", exchange))
+        yield from either(
+            {"compared by": exchange},
+            finer_dk=pooled(*finer_dk),
+            finer_domega=pooled(*finer_domega),
+            dk_more=_larger_helps_more(see, "box", exchange),
+        )
 
 
 def _peak(e: Ensemble, band: Band) -> FloatArray:
@@ -50,64 +89,104 @@ def _peak(e: Ensemble, band: Band) -> FloatArray:
     return sample.k[np.nanargmax(means, axis=1)]
 
 
-@claim("R2", "the maximum of the bias moves to higher k as T falls", "sec:resolution",
-       "Untapered: the k of the largest bias, among all shells or those at k > 1 (where the paper explains it), rises "
-       "with each step T 80, 20, 10, for every L; errors from 200 paired resamplings of the realisations.")
+@claim(
+    "R2",
+    "the maximum of the bias moves to higher k as T falls",
+    "sec:resolution",
+    "Untapered: the k of the largest bias, among all shells or those at k > 1 (where the paper explains it), rises "
+    "with each step T 80, 20, 10, for every L; errors from 200 paired resamplings of the realisations.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     for words, band in (("k > 1", ABOVE), ("all", ALL)):
         at = {(length, t): _peak(see(domain(length, t), "box"), band) for length, t in product(LENGTHS, _DURATIONS)}
         moves = np.array([at[length, a] - at[length, b] for length, (a, b) in product(LENGTHS, pairwise(_DURATIONS))])
-        for reading in either({"among": words}, moves=positive(np.zeros(len(moves)), moves[:, 0],
-                                                              moves[:, 1:].std(axis=1))):
+        for reading in either(
+            {"among": words}, moves=positive(np.zeros(len(moves)), moves[:, 0], moves[:, 1:].std(axis=1))
+        ):
             k = {f"L={length:g}": [round(float(at[length, t][0]), 2) for t in _DURATIONS] for length in LENGTHS}
             yield Reading(reading.choices, reading.holds, {**reading.figure, "k at T 10, 20, 80": k}, reading.tallies)
 
 
-@claim("R3", "with Hann the influence of T is strongly reduced: curves of equal L lie together", "sec:resolution",
-       "Differences of bias between T = 10, 20, 80 at equal L: under Hann smaller than untapered; and not significant, "
-       "or smaller than those between neighbouring L at equal T.")
+@claim(
+    "R3",
+    "with Hann the influence of T is strongly reduced: curves of equal L lie together",
+    "sec:resolution",
+    "Differences of bias between T = 10, 20, 80 at equal L: under Hann smaller than untapered; and not significant, "
+    "or smaller than those between neighbouring L at equal T.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     reduced, alone, closer = [], [], []
     for length, (a, b) in product(LENGTHS, combinations(_DURATIONS, 2)):
         box, hann = (bias(see(domain(length, a), w)) - bias(see(domain(length, b), w)) for w in WINDOWS)
         reduced.append(above(magnitude(box) - magnitude(hann)))
         alone.append(alike(hann, np.minimum(*(smaller(see(domain(length, t), "hann")) for t in (a, b)))))
-        closer += [above(magnitude(bias(see(domain(length, a), "hann")) - bias(see(domain(other, a), "hann")))
-                         - magnitude(hann)) for other in LENGTHS if other in (2 * length, length / 2)]
+        closer += [
+            above(
+                magnitude(bias(see(domain(length, a), "hann")) - bias(see(domain(other, a), "hann"))) - magnitude(hann)
+            )
+            for other in LENGTHS
+            if other in (2 * length, length / 2)
+        ]
     for words, together in (("not significantly different", alone), ("closer than other L", closer)):
         yield from either({"together": words}, reduced=pooled(*reduced), together=pooled(*together))
 
 
-@claim("R4", "L = 5, T = 80 is worse than L = 5 with T <= 40", "sec:resolution",
-       "Bias, or random part, at T = 80 above that at T = 10, 20 and 40, paired; untapered and Hann.")
+@claim(
+    "R4",
+    "L = 5, T = 80 is worse than L = 5 with T <= 40",
+    "sec:resolution",
+    "Bias, or random part, at T = 80 above that at T = 10, 20 and 40, paired; untapered and Hann.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     for (words, of), window in product(STATISTICS.items(), WINDOWS):
-        yield from either({"statistic": words, "window": window}, worse=pooled(*(
-            above(of(see(domain(5.0, 80.0), window)) - of(see(domain(5.0, t), window))) for t in (10.0, 20.0, 40.0))))
+        yield from either(
+            {"statistic": words, "window": window},
+            worse=pooled(
+                *(
+                    above(of(see(domain(5.0, 80.0), window)) - of(see(domain(5.0, t), window)))
+                    for t in (10.0, 20.0, 40.0)
+                )
+            ),
+        )
 
 
-@claim("R5", "with Hann every bias is well below the resolutions", "sec:resolution",
-       "Mean of |c|, or mean + 2 sd, below the smaller or larger resolution by 10 % of it (significantly) at every "
-       "shell of all of the case.")
+@claim(
+    "R5",
+    "with Hann every bias is well below the resolutions",
+    "sec:resolution",
+    "Mean of |c|, or mean + 2 sd, below the smaller or larger resolution by 10 % of it (significantly) at every "
+    "shell of all of the case.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     for (level, of), (resolution, choose) in product(LEVELS.items(), RESOLUTIONS.items()):
         ensembles = [see(domain(length, t), "hann") for length, t in product(LENGTHS, _DURATIONS)]
-        yield from every({"level": level, "resolution": resolution}, well_below=pooled(*(
-            below(of(e), 0.9 * choose(*e.resolutions)) for e in ensembles)))
+        yield from every(
+            {"level": level, "resolution": resolution},
+            well_below=pooled(*(below(of(e), 0.9 * choose(*e.resolutions)) for e in ensembles)),
+        )
 
 
-@claim("R6", "a larger domain helps more than a longer video", "sec:resolution",
-       "Bias after twice the side below that after twice the duration, or after four times the area below that after "
-       "four times the duration; untapered and Hann.")
+@claim(
+    "R6",
+    "a larger domain helps more than a longer video",
+    "sec:resolution",
+    "Bias after twice the side below that after twice the duration, or after four times the area below that after "
+    "four times the duration; untapered and Hann.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     for exchange, window in product(_EXCHANGES, WINDOWS):
-        yield from either({"compared by": exchange, "window": window},
-                          larger_domain=_larger_helps_more(see, window, exchange))
+        yield from either(
+            {"compared by": exchange, "window": window}, larger_domain=_larger_helps_more(see, window, exchange)
+        )
 
 
-@claim("R7", "T = 5 shows no relevant difference from T = 10", "sec:resolution",
-       "Difference of bias at equal L, paired: not significant, or below the smaller resolution at T = 10; untapered "
-       "and Hann.")
+@claim(
+    "R7",
+    "T = 5 shows no relevant difference from T = 10",
+    "sec:resolution",
+    "Difference of bias at equal L, paired: not significant, or below the smaller resolution at T = 10; untapered "
+    "and Hann.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     for window in WINDOWS:
         pairs = [(see(domain(length, 5.0), window), see(domain(length, 10.0), window)) for length in LENGTHS]

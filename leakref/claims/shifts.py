@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 
 from leakref import kept, leastsquares, runs, sources
-from leakref.fast import spectra
 from leakref._base import FloatArray
 from leakref.cases import Configuration, configurations
 from leakref.claims.evidence import PLAIN, Evidence, Setting, kept_velocities, peak_waves, resampled
@@ -21,6 +20,7 @@ from leakref.claims.registry import Claim
 from leakref.claims.variants import CONFIGURATIONS, VARIANTS, Variant
 from leakref.claims.words import Sample, smaller
 from leakref.ensemble import Ensemble
+from leakref.fast import spectra
 from leakref.window import window as named_window
 
 __all__ = ["MOVED", "Altered", "NotCovered", "Shifts", "moving", "rejudged", "study", "summary", "velocities"]
@@ -31,14 +31,20 @@ _SHARE = 0.1  # of the smaller resolution: a variant that moves a velocity by mo
 
 
 @lru_cache(maxsize=4)
-def _spectra(configuration: Configuration, realization: int, windows: tuple[str, ...],
-             radius: float) -> dict[str, FloatArray]:
+def _spectra(
+    configuration: Configuration, realization: int, windows: tuple[str, ...], radius: float
+) -> dict[str, FloatArray]:
     grid, tapers = configuration.grid, [named_window(name) for name in windows]
     return spectra.magnitudes(configuration.components(realization), grid, tapers, spectra.Disc(grid, radius))
 
 
-def velocities(variant: Variant, configuration: Configuration, realization: int, setting: Setting = PLAIN,
-               windows: Sequence[str] | None = None) -> FloatArray:
+def velocities(
+    variant: Variant,
+    configuration: Configuration,
+    realization: int,
+    setting: Setting = PLAIN,
+    windows: Sequence[str] | None = None,
+) -> FloatArray:
     """Of one realisation by the altered chain, (w, m, n, 2), NaN where there is none: those of `windows` (default: on
     which the variant is tried) that the configuration has, the variant's methods, the configuration's wavenumbers.
 
@@ -56,11 +62,19 @@ def velocities(variant: Variant, configuration: Configuration, realization: int,
         waves = chain.sea.Components(*(getattr(waves, name)[rest] for name in waves.__dataclass_fields__))
     elif variant.leaves_spectra:
         chain.fast.magnitudes = lambda waves, grid, tapers, disc: _spectra(
-            configuration, realization, tuple(taper.name for taper in tapers), disc.radius)
+            configuration, realization, tuple(taper.name for taper in tapers), disc.radius
+        )
     own_threshold = setting.threshold == leastsquares.THRESHOLD
     found = chain.fast.realize(
-        waves, own.grid, own.wavenumbers, windows=windows, methods=variant.methods, width=setting.width,
-        threshold=chain.leastsquares.THRESHOLD if own_threshold else setting.threshold, search=False)
+        waves,
+        own.grid,
+        own.wavenumbers,
+        windows=windows,
+        methods=variant.methods,
+        width=setting.width,
+        threshold=chain.leastsquares.THRESHOLD if own_threshold else setting.threshold,
+        search=False,
+    )
     result = np.full((len(windows), len(variant.methods), configuration.wavenumbers.size, 2), np.nan)
     mine, theirs = np.nonzero(np.abs(configuration.wavenumbers[:, None] - own.wavenumbers) < MOVED)
     for (w, window), (m, method) in product(enumerate(windows), enumerate(variant.methods)):
@@ -75,23 +89,50 @@ def _source_digest() -> str:
 
 def _about(variant: Variant, configuration: Configuration, setting: Setting, windows: Sequence[str]) -> dict[str, Any]:
     """What velocities under a variant depend on."""
-    return {"changes": [asdict(change) for change in (*variant.changes, *variant.fast)], "methods": variant.methods,
-            "windows": windows, "data": asdict(variant.setting), "configuration": asdict(configuration),
-            "setting": asdict(setting), "source": _source_digest()}
+    return {
+        "changes": [asdict(change) for change in (*variant.changes, *variant.fast)],
+        "methods": variant.methods,
+        "windows": windows,
+        "data": asdict(variant.setting),
+        "configuration": asdict(configuration),
+        "setting": asdict(setting),
+        "source": _source_digest(),
+    }
 
 
-def _kept(variants: Sequence[Variant], windows: Sequence[Sequence[str]], configuration: Configuration, realization: int,
-          setting: Setting, folder: Path | None) -> list[FloatArray]:
+def _kept(
+    variants: Sequence[Variant],
+    windows: Sequence[Sequence[str]],
+    configuration: Configuration,
+    realization: int,
+    setting: Setting,
+    folder: Path | None,
+) -> list[FloatArray]:
     """`velocities` of several variants, each under its `windows`, from the folder where they are there, and left there
     where they are not."""
     found = []
     for variant, own in zip(variants, windows, strict=True):
         about = _about(variant, configuration, setting, own)
         path = folder and folder / f"variant-{kept.key(about)}" / f"{realization:05d}.npz"
-        shape = (sum(name in own for name in configuration.windows), len(variant.methods),
-                 configuration.wavenumbers.size, 2)
-        found.append(kept_velocities(path, {**about, "realization": realization}, shape,
-                                     velocities, variant, configuration, realization, setting, own))
+        shape = (
+            sum(name in own for name in configuration.windows),
+            len(variant.methods),
+            configuration.wavenumbers.size,
+            2,
+        )
+        found.append(
+            kept_velocities(
+                path,
+                {**about, "realization": realization},
+                shape,
+                velocities,
+                variant,
+                configuration,
+                realization,
+                setting,
+                own,
+            )
+        )
     return found
 
 
@@ -132,8 +173,11 @@ def _spread(moved: FloatArray, share: FloatArray) -> dict[str, Any]:
         return {"shells": 0}
     result: dict[str, Any] = {"shells": int(known.sum()), "moved": int((moved[known] > MOVED).sum())}
     for name, values in (("c0", moved[known]), ("resolution", share[known])):
-        result[name] = {"median": _figures(np.median(values)), "p95": _figures(np.percentile(values, 95)),
-                        "largest": _figures(values.max())}
+        result[name] = {
+            "median": _figures(np.median(values)),
+            "p95": _figures(np.percentile(values, 95)),
+            "largest": _figures(values.max()),
+        }
     return result
 
 
@@ -143,22 +187,35 @@ def summary(shifts: Sequence[Shifts], case: str) -> dict[str, Any]:
     The bias is the mean of |c - U|; its change is the mean over shells, with the standard error over realisations.
     """
     first = shifts[0]
-    moved, share, flagged = (np.concatenate([getattr(s, name).ravel() for s in shifts])
-                             for name in ("moved", "share", "flagged"))
+    moved, share, flagged = (
+        np.concatenate([getattr(s, name).ravel() for s in shifts]) for name in ("moved", "share", "flagged")
+    )
     means = [s.better.over() for s in shifts if np.isfinite(s.better.values).all()]
-    row: dict[str, Any] = {"case": case, "window": first.reference.window, "method": first.reference.method,
-                           "realizations": len(first.moved), "unflagged": _spread(moved[~flagged], share[~flagged]),
-                           "flagged": _spread(moved[flagged], share[flagged]),
-                           "lost": int(sum(s.lost.sum() for s in shifts)), "bias_change": None}
+    row: dict[str, Any] = {
+        "case": case,
+        "window": first.reference.window,
+        "method": first.reference.method,
+        "realizations": len(first.moved),
+        "unflagged": _spread(moved[~flagged], share[~flagged]),
+        "flagged": _spread(moved[flagged], share[flagged]),
+        "lost": int(sum(s.lost.sum() for s in shifts)),
+        "bias_change": None,
+    }
     if means:
         error = np.sqrt(sum(float(m.error[0]) ** 2 for m in means)) / len(means)
         row["bias_change"] = {"mean": _figures(np.mean([m.mean[0] for m in means])), "standard_error": _figures(error)}
     return row
 
 
-def study(variants: Iterable[Variant] = VARIANTS.values(), ids: Sequence[str] = CONFIGURATIONS, *,
-          realizations: int = 20, folder: Path | None = None, executor: Executor | None = None,
-          after_each: Callable[[], object] = lambda: None) -> dict[str, list[list[Shifts]]]:
+def study(
+    variants: Iterable[Variant] = VARIANTS.values(),
+    ids: Sequence[str] = CONFIGURATIONS,
+    *,
+    realizations: int = 20,
+    folder: Path | None = None,
+    executor: Executor | None = None,
+    after_each: Callable[[], object] = lambda: None,
+) -> dict[str, list[list[Shifts]]]:
     """For each variant, a list for each configuration on which it acts of the Shifts of each window and method.
 
     Resumed from `folder`, which may be that of `leakref reproduce`; there the references are found too.
@@ -182,8 +239,12 @@ def study(variants: Iterable[Variant] = VARIANTS.values(), ids: Sequence[str] = 
             if computed is not None:
                 windows = [w for w in ensembles[0].configuration.windows if w in variant.windows]
                 pairs = product(enumerate(windows), enumerate(variant.methods))
-                whole[variant.id].append([Shifts(variant, own[window, method], np.array(computed)[:, w, m])
-                                          for (w, window), (m, method) in pairs])
+                whole[variant.id].append(
+                    [
+                        Shifts(variant, own[window, method], np.array(computed)[:, w, m])
+                        for (w, window), (m, method) in pairs
+                    ]
+                )
     return whole
 
 
@@ -192,10 +253,15 @@ def moving(found: dict[str, list[list[Shifts]]]) -> list[Variant]:
 
     None of those with other waves, whose velocities are others anyway, or with images of a single sea.
     """
-    largest = {id: max((float(np.nanmax(np.where(s.flagged, 0, s.share), initial=0)) for one in cases for s in one),
-                       default=0.0) for id, cases in found.items()}
-    return [v for id, share in largest.items() if share > _SHARE and (v := VARIANTS[id]).paired
-            and not v.setting.resampled]
+    largest = {
+        id: max(
+            (float(np.nanmax(np.where(s.flagged, 0, s.share), initial=0)) for one in cases for s in one), default=0.0
+        )
+        for id, cases in found.items()
+    }
+    return [
+        v for id, share in largest.items() if share > _SHARE and (v := VARIANTS[id]).paired and not v.setting.resampled
+    ]
 
 
 class NotCovered(LookupError):
@@ -205,8 +271,9 @@ class NotCovered(LookupError):
 class _Velocities:
     """Those of several variants, (R, w, m, n, 2), computed together so that they share their spectra."""
 
-    def __init__(self, variants: Sequence[Variant], realizations: int, folder: Path | None,
-                 executor: Executor | None) -> None:
+    def __init__(
+        self, variants: Sequence[Variant], realizations: int, folder: Path | None, executor: Executor | None
+    ) -> None:
         self.variants, self.realizations, self.folder, self.executor = variants, realizations, folder, executor
         self._found: dict[tuple[Configuration, Setting], dict[str, FloatArray]] = {}
 
@@ -214,11 +281,18 @@ class _Velocities:
         if (configuration, setting) not in self._found:
             acting = [v for v in self.variants if v.acts_on(configuration)]
             windows = [v.acts_on(configuration) for v in acting]
-            given = (repeat(acting), repeat(windows), repeat(configuration), range(self.realizations), repeat(setting),
-                     repeat(self.folder))
+            given = (
+                repeat(acting),
+                repeat(windows),
+                repeat(configuration),
+                range(self.realizations),
+                repeat(setting),
+                repeat(self.folder),
+            )
             results = list(map(_kept, *given) if self.executor is None else self.executor.map(_kept, *given))
             self._found[configuration, setting] = {
-                v.id: np.array([one[n] for one in results]) for n, v in enumerate(acting)}
+                v.id: np.array([one[n] for one in results]) for n, v in enumerate(acting)
+            }
         return self._found[configuration, setting][variant.id]
 
 
@@ -228,13 +302,19 @@ class Altered(Evidence):
     With `ids`, of those configurations only: NotCovered is raised for any other.
     """
 
-    def __init__(self, reference: Evidence, variant: Variant | None = None, velocities: _Velocities | None = None,
-                 ids: Sequence[str] | None = None) -> None:
+    def __init__(
+        self,
+        reference: Evidence,
+        variant: Variant | None = None,
+        velocities: _Velocities | None = None,
+        ids: Sequence[str] | None = None,
+    ) -> None:
         super().__init__(reference.realizations, reference.folder, reference.executor)
         self.reference, self.variant, self.velocities, self.ids, self.asked = reference, variant, velocities, ids, 0
 
-    def __call__(self, configuration: Configuration, window: str, method: str = "nsp",
-                 setting: Setting = PLAIN) -> Ensemble:
+    def __call__(
+        self, configuration: Configuration, window: str, method: str = "nsp", setting: Setting = PLAIN
+    ) -> Ensemble:
         if self.ids is not None and configuration.id not in self.ids:
             raise NotCovered(configuration.id)
         self.asked += 1
@@ -243,8 +323,9 @@ class Altered(Evidence):
             return before
         if window not in v.acts_on(configuration):
             return before
-        values = self.velocities(v, configuration, setting)[:, v.acts_on(configuration).index(window),
-                                                            v.methods.index(method)]
+        values = self.velocities(v, configuration, setting)[
+            :, v.acts_on(configuration).index(window), v.methods.index(method)
+        ]
         return Ensemble(configuration, window, method, before.wavenumbers, values, before.notes)
 
     def seconds(self, configuration: Configuration) -> dict[str, FloatArray]:
@@ -252,9 +333,16 @@ class Altered(Evidence):
         raise NotCovered(configuration.id)
 
 
-def rejudged(variants: Sequence[Variant], claims: Sequence[Claim], *, realizations: int, folder: Path | None,
-             executor: Executor | None, ids: Sequence[str] | None,
-             after_each: Callable[[], object] = lambda: None) -> list[dict[str, Any]]:
+def rejudged(
+    variants: Sequence[Variant],
+    claims: Sequence[Claim],
+    *,
+    realizations: int,
+    folder: Path | None,
+    executor: Executor | None,
+    ids: Sequence[str] | None,
+    after_each: Callable[[], object] = lambda: None,
+) -> list[dict[str, Any]]:
     """The claims under each variant, beside what the reference says with as many realisations.
 
     A claim depends on a decision if a reading of it that held does not hold any more, or the reverse. Those that ask
@@ -271,10 +359,21 @@ def rejudged(variants: Sequence[Variant], claims: Sequence[Claim], *, realizatio
             continue
         for variant in variants if reference.asked else ():
             after = claim.judge(Altered(kept, variant, altered))
-            flipped = [{"reading": a.words, "before": a.holds, "after": b.holds}
-                       for a, b in zip(before.readings, after.readings, strict=True)
-                       if {a.holds, b.holds} == {True, False}]
-            results.append({"id": claim.id, "decision": variant.decision, "variant": variant.id,
-                            "before": before.verdict, "verdict": after.verdict, "figure": after.readings[0].figure,
-                            "readings": len(before.readings), "flipped": flipped})
+            flipped = [
+                {"reading": a.words, "before": a.holds, "after": b.holds}
+                for a, b in zip(before.readings, after.readings, strict=True)
+                if {a.holds, b.holds} == {True, False}
+            ]
+            results.append(
+                {
+                    "id": claim.id,
+                    "decision": variant.decision,
+                    "variant": variant.id,
+                    "before": before.verdict,
+                    "verdict": after.verdict,
+                    "figure": after.readings[0].figure,
+                    "readings": len(before.readings),
+                    "flipped": flipped,
+                }
+            )
     return results

@@ -13,8 +13,20 @@ from leakref.cases import CASES
 from leakref.claims.configurations import domain, sea
 from leakref.claims.evidence import Evidence, Setting
 from leakref.claims.registry import claim
-from leakref.claims.words import (STATISTICS, WINDOWS, Reading, Sample, above, alike, both, either, every, pooled,
-                                  random, smaller)
+from leakref.claims.words import (
+    STATISTICS,
+    WINDOWS,
+    Reading,
+    Sample,
+    above,
+    alike,
+    both,
+    either,
+    every,
+    pooled,
+    random,
+    smaller,
+)
 from leakref.window import Window
 
 __all__ = ["lobes"]
@@ -33,45 +45,66 @@ def _percent(value: float) -> float:
     return float(f"{100 * value:.4g}")
 
 
-@claim("W1", "untapered, the transform's envelope stays above 1 % for more than 20 bins", "sec:leakage",
-       "The largest offset at which |transform of the box| exceeds 1 % of its maximum, in bins.")
+@claim(
+    "W1",
+    "untapered, the transform's envelope stays above 1 % for more than 20 bins",
+    "sec:leakage",
+    "The largest offset at which |transform of the box| exceeds 1 % of its maximum, in bins.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     v, height = lobes(see.window("box"))
     reach = float(v[height > 0.01].max())
     yield Reading({}, reach > 20, {"bins": round(reach, 2)})
 
 
-@claim("W2", "Blackman: a wave on a bin gives intensity only at bins 0, 1 and 2 away", "sec:leakage",
-       "Discrete transform of the sampled window over its value at 0: above 1e-12 at bins 0 to 2, below at all "
-       "others. Sampled as t/T is printed, n/N, and the other way, n/(N-1).")
+@claim(
+    "W2",
+    "Blackman: a wave on a bin gives intensity only at bins 0, 1 and 2 away",
+    "sec:leakage",
+    "Discrete transform of the sampled window over its value at 0: above 1e-12 at bins 0 to 2, below at all "
+    "others. Sampled as t/T is printed, n/N, and the other way, n/(N-1).",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     for sampling in ("periodic", "symmetric"):
         lines = np.abs(np.fft.rfft(see.window("blackman").samples(_BINS, symmetric=sampling == "symmetric")))
         lines /= lines[0]
         beyond = float(lines[3:].max())
-        yield Reading({"sampling (D1)": sampling}, bool(beyond < 1e-12 < lines[:3].min()),
-                      {"largest_beyond": float(f"{beyond:.1e}")})
+        yield Reading(
+            {"sampling (D1)": sampling},
+            bool(beyond < 1e-12 < lines[:3].min()),
+            {"largest_beyond": float(f"{beyond:.1e}")},
+        )
 
 
-@claim("W3", "Blackman falls to about 1e-3 outside its central lobe", "sec:leakage",
-       "The largest |transform| beyond the first zero is within 10 % of 1e-3.")
+@claim(
+    "W3",
+    "Blackman falls to about 1e-3 outside its central lobe",
+    "sec:leakage",
+    "The largest |transform| beyond the first zero is within 10 % of 1e-3.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     v, height = lobes(see.window("blackman"))
     top = float(height[v >= _first_zero(v, height)].max())
     yield Reading({}, abs(top / 1e-3 - 1) <= 0.1, {"largest_sidelobe": float(f"{top:.4g}")})
 
 
-@claim("W4", "Hann suppresses long-range leakage to below 1 %, and leaks significantly into frequencies less than "
-       "two bins away", "sec:leakage",
-       "|transform| below 1 % everywhere beyond the central lobe (long range is more than one or two bins), or from "
-       "three bins on (the caption of fig:leakage_lobes calls one and two bins short range); above 1 % at one bin.")
+@claim(
+    "W4",
+    "Hann suppresses long-range leakage to below 1 %, and leaks significantly into frequencies less than two bins away",
+    "sec:leakage",
+    "|transform| below 1 % everywhere beyond the central lobe (long range is more than one or two bins), or from "
+    "three bins on (the caption of fig:leakage_lobes calls one and two bins short range); above 1 % at one bin.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     v, height = lobes(see.window("hann"))
     near = float(height[np.searchsorted(v, 1.0)])
     for words, start in (("more than 2 bins away", 2.0), ("3 bins away or more", 3.0)):
         far = float(height[v >= start].max())
-        yield Reading({"long range": words}, both(far < 0.01, near > 0.01),
-                      {"long_range_percent": _percent(far), "one_bin_percent": _percent(near)})
+        yield Reading(
+            {"long range": words},
+            both(far < 0.01, near > 0.01),
+            {"long_range_percent": _percent(far), "one_bin_percent": _percent(near)},
+        )
 
 
 def _first_zero(v: FloatArray, height: FloatArray) -> float:
@@ -79,21 +112,34 @@ def _first_zero(v: FloatArray, height: FloatArray) -> float:
     return float(v[falling[0] + 1])
 
 
-@claim("W5", "Blackman's central lobe is about 20 % wider than Hann's", "app:window_comparison",
-       "Ratio of the widths at several levels less 1, within 18 to 22 %: between zeros, at half power, at half "
-       "height, at a tenth and at a hundredth.")
+@claim(
+    "W5",
+    "Blackman's central lobe is about 20 % wider than Hann's",
+    "app:window_comparison",
+    "Ratio of the widths at several levels less 1, within 18 to 22 %: between zeros, at half power, at half "
+    "height, at a tenth and at a hundredth.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     curves = [lobes(see.window(name)) for name in ("blackman", "hann")]
-    for words, level in (("zeros", 0.0), ("half power", np.sqrt(0.5)), ("half height", 0.5), ("a tenth", 0.1),
-                         ("a hundredth", 0.01)):
+    for words, level in (
+        ("zeros", 0.0),
+        ("half power", np.sqrt(0.5)),
+        ("half height", 0.5),
+        ("a tenth", 0.1),
+        ("a hundredth", 0.01),
+    ):
         wide, narrow = (v[np.argmax(height < level)] if level else _first_zero(v, height) for v, height in curves)
         wider = float(wide / narrow - 1)
         yield Reading({"level": words}, bool(0.18 <= wider <= 0.22), {"wider_percent": round(100 * wider, 2)})
 
 
-@claim("W6", "fitting G to the transform of a Hann window gives a = 1.62 domega", "app:numdetails",
-       "Least squares of exp(-2 (v/a)^2), of height 1 or free, and |transform| over the central lobe or over 20 bins; "
-       "a within 2 % of 1.62.")
+@claim(
+    "W6",
+    "fitting G to the transform of a Hann window gives a = 1.62 domega",
+    "app:numdetails",
+    "Least squares of exp(-2 (v/a)^2), of height 1 or free, and |transform| over the central lobe or over 20 bins; "
+    "a within 2 % of 1.62.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     v, height = lobes(see.window("hann"))
     for words, end in (("central lobe", _first_zero(v, height)), ("20 bins", 20.0)):
@@ -101,29 +147,41 @@ def _(see: Evidence) -> Iterator[Reading]:
         for free in (False, True):
             start = [1.5, 1.0] if free else [1.5]
             a = float(curve_fit(_gaussian, v[on], height[on], start)[0][0])
-            yield Reading({"over": words, "height": "free" if free else "1"}, bool(abs(a / 1.62 - 1) <= 0.02),
-                          {"a": round(a, 4)})
+            yield Reading(
+                {"over": words, "height": "free" if free else "1"}, bool(abs(a / 1.62 - 1) <= 0.02), {"a": round(a, 4)}
+            )
 
 
 def _gaussian(v: FloatArray, a: float, height: float = 1.0) -> FloatArray:
     return height * np.exp(-2 * (v / a) ** 2)
 
 
-@claim("W7", "with a / domega from 2 to 6, results are most stable between 3 and 5", "app:numdetails",
-       "Stable as scatter (random part, mean over shells, is larger at 2 and at 6 than at 3, 4 and 5) or as change "
-       "with a (mean |c(a+1) - c(a)| is larger for the steps 2-3 and 5-6 than for 3-4 and 4-5). Normal sea "
-       "(theta0 = 90, spread 60 degrees) and narrow one (60, 15), L = 10, T = 20.")
+@claim(
+    "W7",
+    "with a / domega from 2 to 6, results are most stable between 3 and 5",
+    "app:numdetails",
+    "Stable as scatter (random part, mean over shells, is larger at 2 and at 6 than at 3, 4 and 5) or as change "
+    "with a (mean |c(a+1) - c(a)| is larger for the steps 2-3 and 5-6 than for 3-4 and 4-5). Normal sea "
+    "(theta0 = 90, spread 60 degrees) and narrow one (60, 15), L = 10, T = 20.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     for words, one in (("normal", domain(10.0, 20.0)), ("narrow", sea(60.0, 15.0))):
         for window in WINDOWS:
             found = {a: see(one, window, setting=Setting(width=float(a))) for a in range(2, 7)}
             scatter = {a: random(e).over() for a, e in found.items()}
-            change = {a: Sample(e.wavenumbers, np.hypot(*np.moveaxis(found[a + 1].velocities - e.velocities, -1, 0))
-                                ).over() for a, e in found.items() if a < 6}
-            for stable, by, inner, outer in (("scatter", scatter, (3, 4, 5), (2, 6)),
-                                             ("change", change, (3, 4), (2, 5))):
-                yield from every({"stable": stable, "window": window, "sea": words},
-                                 outside=pooled(*(above(by[o] - by[i]) for o in outer for i in inner)))
+            change = {
+                a: Sample(e.wavenumbers, np.hypot(*np.moveaxis(found[a + 1].velocities - e.velocities, -1, 0))).over()
+                for a, e in found.items()
+                if a < 6
+            }
+            for stable, by, inner, outer in (
+                ("scatter", scatter, (3, 4, 5), (2, 6)),
+                ("change", change, (3, 4), (2, 5)),
+            ):
+                yield from every(
+                    {"stable": stable, "window": window, "sea": words},
+                    outside=pooled(*(above(by[o] - by[i]) for o in outer for i in inner)),
+                )
 
 
 def _envelope(window: Window, v: FloatArray) -> FloatArray:
@@ -132,34 +190,53 @@ def _envelope(window: Window, v: FloatArray) -> FloatArray:
     return np.minimum(np.abs(window.transform(off) / np.sin(np.pi * off)), window.transform(0.0))
 
 
-@claim("W8", "two-dimensional leakage runs along the axes; at a given |k| it is smallest at |kx| = |ky|",
-       "sec:NSP_and_leakage",
-       "Envelope of the transform along x times that along y, on circles of 3 to 30 bins: largest within the central "
-       "lobe about an axis, smallest within 1 degree of the diagonal. Box, as in the text, and Hann.")
+@claim(
+    "W8",
+    "two-dimensional leakage runs along the axes; at a given |k| it is smallest at |kx| = |ky|",
+    "sec:NSP_and_leakage",
+    "Envelope of the transform along x times that along y, on circles of 3 to 30 bins: largest within the central "
+    "lobe about an axis, smallest within 1 degree of the diagonal. Box, as in the text, and Hann.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     angle = np.radians(np.arange(0, 91))
     for window in WINDOWS:
         taper = see.window(window)
-        leaked = np.array([_envelope(taper, r * np.cos(angle)) * _envelope(taper, r * np.sin(angle))
-                           for r in range(3, 31)])
-        diagonal, axis = np.abs(leaked.argmin(axis=1) - 45) <= 1, (
-            np.arange(3, 31) * np.abs(np.sin(2 * angle[leaked.argmax(axis=1)])) / 2 <= _first_zero(*lobes(taper)))
+        leaked = np.array(
+            [_envelope(taper, r * np.cos(angle)) * _envelope(taper, r * np.sin(angle)) for r in range(3, 31)]
+        )
+        diagonal, axis = (
+            np.abs(leaked.argmin(axis=1) - 45) <= 1,
+            (np.arange(3, 31) * np.abs(np.sin(2 * angle[leaked.argmax(axis=1)])) / 2 <= _first_zero(*lobes(taper))),
+        )
         gain = leaked[7].max() / leaked[7].min()
-        yield Reading({"window": window}, bool(diagonal.all() and axis.all()),
-                      {"circles": len(axis), "smallest_on_diagonal": int(diagonal.sum()),
-                       "largest_on_axis": int(axis.sum()), "axis_over_diagonal_at_10_bins": float(f"{gain:.3g}")})
+        yield Reading(
+            {"window": window},
+            bool(diagonal.all() and axis.all()),
+            {
+                "circles": len(axis),
+                "smallest_on_diagonal": int(diagonal.sum()),
+                "largest_on_axis": int(axis.sum()),
+                "axis_over_diagonal_at_10_bins": float(f"{gain:.3g}"),
+            },
+        )
 
 
-@claim("W9", "DSVs after Hann, Blackman and Kaiser-Bessel tapers differ insignificantly, Blackman's biases being "
-       "systematically higher", "app:window_comparison",
-       "No significant difference of bias or random part between Hann and Kaiser-Bessel, or between any two of the "
-       "three; Blackman's bias above both others. Normal sea, L = 10, T = 20, paired.")
+@claim(
+    "W9",
+    "DSVs after Hann, Blackman and Kaiser-Bessel tapers differ insignificantly, Blackman's biases being "
+    "systematically higher",
+    "app:window_comparison",
+    "No significant difference of bias or random part between Hann and Kaiser-Bessel, or between any two of the "
+    "three; Blackman's bias above both others. Normal sea, L = 10, T = 20, paired.",
+)
 def _(see: Evidence) -> Iterator[Reading]:
     names = ("hann", "kaiser-bessel", "blackman")
     found = {name: see(CASES["windows"][0], name) for name in names}
-    higher = pooled(*(above(STATISTICS["bias"](found["blackman"]) - STATISTICS["bias"](found[name]))
-                      for name in names[:2]))
+    higher = pooled(
+        *(above(STATISTICS["bias"](found["blackman"]) - STATISTICS["bias"](found[name])) for name in names[:2])
+    )
     for words, pairs in (("all but Blackman", [names[:2]]), ("all three", list(combinations(names, 2)))):
-        same = pooled(*(alike(of(found[a]) - of(found[b]), smaller(found[a]))
-                        for a, b in pairs for of in STATISTICS.values()))
+        same = pooled(
+            *(alike(of(found[a]) - of(found[b]), smaller(found[a])) for a, b in pairs for of in STATISTICS.values())
+        )
         yield from either({"alike": words}, alike=same, Blackman_higher=higher)

@@ -248,8 +248,12 @@ class Tally:
     def figure(self) -> dict[str, Any]:
         """In JSON: counts of shells, and the mean margin."""
         mean = float(f"{np.mean(self.margin):.3g}") if self.size else None
-        return {"shown": int(self.shown.sum()), "contradicted": int(self.contradicted.sum()), "of": self.size,
-                "mean_margin": mean}
+        return {
+            "shown": int(self.shown.sum()),
+            "contradicted": int(self.contradicted.sum()),
+            "of": self.size,
+            "mean_margin": mean,
+        }
 
 
 def _tally(k: FloatArray, margin: FloatArray, error: FloatArray, shown: Mask, contradicted: Mask) -> Tally:

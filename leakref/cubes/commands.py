@@ -16,11 +16,11 @@ from rich.table import Table
 from leakref._base import FloatArray, LeakrefError, levelled
 from leakref._output import console, dump, envelope, folder, write_whole
 from leakref.chain import analyse
-from leakref.methods import method as named_method
 from leakref.cubes import blocks, files, formats, screen
 from leakref.cubes.files import UNITS, Cube
 from leakref.cubes.wavenumbers import default_wavenumbers, parse_numbers, parse_wavenumbers
 from leakref.dispersion import Water, velocity_resolutions
+from leakref.methods import method as named_method
 from leakref.shell import HALF_WIDTH, Extraction
 from leakref.spectrum import Spectrum, fourier
 from leakref.window import window as named_window

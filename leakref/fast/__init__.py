@@ -18,18 +18,44 @@ import numpy.typing as npt
 
 from leakref import leakage, leastsquares, nsp
 from leakref._base import FloatArray, LeakrefError, positive
-from leakref.methods import Method, method as named_method
 from leakref.dispersion import Water
+from leakref.fast.score import (
+    DENSE,
+    KEPT,
+    ORDER,
+    POOL,
+    Models,
+    Ring,
+    climb,
+    least_squares,
+    only_leaked,
+    outdone,
+    peaks,
+    pool,
+    principal,
+)
+from leakref.fast.spectra import Disc, magnitudes
 from leakref.grid import Grid
 from leakref.leastsquares import THRESHOLD
+from leakref.methods import Method
+from leakref.methods import method as named_method
 from leakref.sea import Components
-from leakref.shell import (_ROUNDING, EDGE_MARGIN, HALF_WIDTH, Extraction, Note, Optimum, Shell, checked_wavenumbers,
-                           collect, nothing, shell_at, velocity_unit)
+from leakref.shell import (
+    _ROUNDING,
+    EDGE_MARGIN,
+    HALF_WIDTH,
+    Extraction,
+    Note,
+    Optimum,
+    Shell,
+    checked_wavenumbers,
+    collect,
+    nothing,
+    shell_at,
+    velocity_unit,
+)
 from leakref.spectrum import Spectrum
 from leakref.window import window as named_window
-from leakref.fast.score import (DENSE, KEPT, ORDER, POOL, Models, Ring, climb, least_squares, only_leaked, outdone,
-                               peaks, pool, principal)
-from leakref.fast.spectra import Disc, magnitudes
 
 __all__ = ["realize"]
 

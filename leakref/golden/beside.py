@@ -76,19 +76,26 @@ def lint(folder: Traversable) -> tuple[dict[str, Any], list[Failure]]:
     except LeakrefError as error:
         return row, [Failure(f"golden/{MANIFEST}", error.fault)]
     there = set(_there(folder))
-    faults = [Failure(f"golden/{name}", f"was changed: its SHA-256 is not that of golden/{MANIFEST}; {_AGAIN}")
-              for name in sorted(there & set(files)) if _sha256(folder, name) != files[name]]
+    faults = [
+        Failure(f"golden/{name}", f"was changed: its SHA-256 is not that of golden/{MANIFEST}; {_AGAIN}")
+        for name in sorted(there & set(files))
+        if _sha256(folder, name) != files[name]
+    ]
     faults += [Failure(f"golden/{name}", f"is missing; {PUT_BACK}") for name in sorted(set(files) - there)]
-    faults += [Failure(f"golden/{name}", f"is not in golden/{MANIFEST}: remove it, or {_TAKE}")
-               for name in sorted(there - set(files))]
+    faults += [
+        Failure(f"golden/{name}", f"is not in golden/{MANIFEST}: remove it, or {_TAKE}")
+        for name in sorted(there - set(files))
+    ]
     return {**row, "files": len(there)}, faults
 
 
 def _write(folder: Path, files: dict[str, str]) -> None:
     said: dict[str, Any] = {"schema": SCHEMA, "license": "CC0-1.0", "files": dict(sorted(files.items()))}
     rows = ",\n".join(f'    "{name}": "{value}"' for name, value in said["files"].items())
-    text = (f'{{\n  "schema": "{SCHEMA}",\n  "license": "CC0-1.0",\n  "files": {{\n{rows}\n  }},\n'
-            f'  "sha256": "{digest(said)}"\n}}\n')
+    text = (
+        f'{{\n  "schema": "{SCHEMA}",\n  "license": "CC0-1.0",\n  "files": {{\n{rows}\n  }},\n'
+        f'  "sha256": "{digest(said)}"\n}}\n'
+    )
     write_whole(folder / MANIFEST, partial(Path.write_text, data=text, encoding="utf-8", newline="\n"))
 
 

@@ -31,8 +31,13 @@ def _shown(title: str, report: Report, json: bool, ok: bool, **fields: Any) -> N
     """The report on standard output, as JSON or as a table with a line for each failure."""
     if json:
         failures = [{"id": f.id, "stage": f.stage, "message": f.message} for f in report.failures]
-        print(dump(envelope("golden", ok, action=title, sets=report.sets, values=report.values, failures=failures,
-                            **fields)))
+        print(
+            dump(
+                envelope(
+                    "golden", ok, action=title, sets=report.sets, values=report.values, failures=failures, **fields
+                )
+            )
+        )
         return
     table = Table(title=f"golden {title}: {report.values} values")
     for column in (report.sets or [{"name": ""}])[0]:
@@ -63,8 +68,17 @@ def run_lint(number: int, place: Path | None, *, json: bool) -> bool:
     return report.ok
 
 
-def run_verify(wanted: Sequence[str], number: int, place: Path | None, *, full: bool, route: str, work: Path,
-               workers: int, json: bool) -> int:
+def run_verify(
+    wanted: Sequence[str],
+    number: int,
+    place: Path | None,
+    *,
+    full: bool,
+    route: str,
+    work: Path,
+    workers: int,
+    json: bool,
+) -> int:
     """0 if everything computed again agrees, 1 if not, 3 if the set was changed or there was nothing to compute."""
     golden = _opened(number, place)
     if route not in ("A", "B"):
@@ -76,17 +90,18 @@ def run_verify(wanted: Sequence[str], number: int, place: Path | None, *, full: 
 
         kept = folder(work) if full or wanted else None
         with progress_bar("golden entries", len(verifying.looked_at(golden, full or bool(wanted), wanted))) as step:
-            report = verifying.verify(golden, full=full, wanted=wanted, route=route, work=kept, workers=workers,
-                                   step=step)
+            report = verifying.verify(
+                golden, full=full, wanted=wanted, route=route, work=kept, workers=workers, step=step
+            )
     _shown("verify", report, json, report.ok, full=full)
     return 0 if report.ok else 1 if report.failures and whole else NOTHING_TO_JUDGE
 
 
-def run_regenerate(wanted: Sequence[str], number: int, place: Path | None, *, work: Path, workers: int,
-                   json: bool) -> bool:
+def run_regenerate(
+    wanted: Sequence[str], number: int, place: Path | None, *, work: Path, workers: int, json: bool
+) -> bool:
     """Whether nothing differs that was not named; see `making.regenerate`. `files` are those beside the sets."""
-    from leakref.golden import making
-    from leakref.golden import ids
+    from leakref.golden import ids, making
 
     target = place or Path(str(locate(number)))
     values = [name for name in wanted if name != FILES]
@@ -97,16 +112,23 @@ def run_regenerate(wanted: Sequence[str], number: int, place: Path | None, *, wo
         with progress_bar("golden entries", len(values) or len(ids.ids(*("vectors", "analytic")))) as step:
             rows, settled = making.regenerate(values, target, work=work, workers=workers, step=step)
     if FILES in wanted:
-        rows += [{"id": f"golden/{name}", "change": "digest", "largest": None, "over_tolerance": None, "written": True}
-                 for name in beside.record(target.resolve().parent)]
+        rows += [
+            {"id": f"golden/{name}", "change": "digest", "largest": None, "over_tolerance": None, "written": True}
+            for name in beside.record(target.resolve().parent)
+        ]
     report = _linted(Golden(target), place) if settled else Report([], 0)
     ok = settled and not report.failures
     if json:
         _shown("regenerate", report, True, ok, changes=rows)
         return ok
     table = Table(title=f"golden regenerate: {len(rows)} entries computed, those that are not the same")
-    for column, justify in (("id", "left"), ("changed", "left"), ("largest", "right"), ("over tolerance", "right"),
-                            ("written", "left")):
+    for column, justify in (
+        ("id", "left"),
+        ("changed", "left"),
+        ("largest", "right"),
+        ("over tolerance", "right"),
+        ("written", "left"),
+    ):
         table.add_column(column, justify=justify)  # type: ignore[arg-type]
     for row in rows:
         if row["change"] != "same":

@@ -16,13 +16,13 @@ from leakref._base import FloatArray, LeakrefError
 from leakref._output import plain as to_json
 from leakref.cases import REALIZATIONS, Configuration
 from leakref.chain import analyse
-from leakref.methods import METHODS
 from leakref.ensemble import Ensemble
 from leakref.golden.ids import CERTIFIED, configuration_of, ensemble_id, realization_id
 from leakref.golden.records import entry_record, head_of, vector_record
 from leakref.golden.sets import Entry, tolerance
 from leakref.golden.stages.velocities import UNFLAGGED, softness, velocity_conditioning
 from leakref.golden.vectors import VECTORS
+from leakref.methods import METHODS
 from leakref.shell import Extraction, Note
 from leakref.spectrum import Spectrum, fourier
 from leakref.synthesis import synthesize

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from leakref.cases import CASES, Configuration
-from leakref.methods import METHODS
 from leakref.golden.vectors import VECTORS
+from leakref.methods import METHODS
 
 __all__ = ["CERTIFIED", "configuration_of", "ensemble_id", "ids", "realization_id"]
 

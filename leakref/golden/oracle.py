@@ -14,9 +14,32 @@ from typing import Any
 
 from mpmath import mp, mpf
 
-__all__ = ["Bins", "Shell", "at_digits", "characteristic", "closed_lobe", "components", "dispersion", "doppler",
-           "jonswap", "kernel", "lattice_phase", "least_squares", "lobe", "mean_square", "nearest_root", "newton",
-           "score", "shell_bins", "spectrum", "spreading", "statistics", "surface", "transformed", "window"]
+__all__ = [
+    "Bins",
+    "Shell",
+    "at_digits",
+    "characteristic",
+    "closed_lobe",
+    "components",
+    "dispersion",
+    "doppler",
+    "jonswap",
+    "kernel",
+    "lattice_phase",
+    "least_squares",
+    "lobe",
+    "mean_square",
+    "nearest_root",
+    "newton",
+    "score",
+    "shell_bins",
+    "spectrum",
+    "spreading",
+    "statistics",
+    "surface",
+    "transformed",
+    "window",
+]
 
 DIGITS = 40
 Bins = list[tuple[int, int]]
@@ -94,8 +117,10 @@ def _profile(current: Mapping[str, Any], z: Number) -> tuple[Number, Number]:
     u, v = (mpf(value) for value in current.get("velocity", (0, 0)))
     su, sv = (mpf(value) for value in current.get("shear", (0, 0)))
     layers = [(mpf(a), mpf(b), mpf(depth)) for a, b, depth in current.get("layers", ())]
-    return (u + su * z + mp.fsum(a * mp.exp(z / d) for a, _, d in layers),
-            v + sv * z + mp.fsum(b * mp.exp(z / d) for _, b, d in layers))
+    return (
+        u + su * z + mp.fsum(a * mp.exp(z / d) for a, _, d in layers),
+        v + sv * z + mp.fsum(b * mp.exp(z / d) for _, b, d in layers),
+    )
 
 
 def components(sea: Mapping[str, Any], shift: Callable[[Number], tuple[Number, Number]]) -> list[list[Number]]:
@@ -112,23 +137,46 @@ def components(sea: Mapping[str, Any], shift: Callable[[Number], tuple[Number, N
             energy = jonswap(dispersion(k), sea["peakedness"]) * f / k ** mpf("1.5") * dk**2
             if energy > 0:
                 u, v = shift(k)
-                waves.append([dk * i, dk * j, dispersion(k) + dk * (i * u + j * v), mp.sqrt(energy),
-                              lattice_phase(sea["realization"], i, j)])
+                waves.append(
+                    [
+                        dk * i,
+                        dk * j,
+                        dispersion(k) + dk * (i * u + j * v),
+                        mp.sqrt(energy),
+                        lattice_phase(sea["realization"], i, j),
+                    ]
+                )
     turn, centre = mp.radians(mpf(sea.get("rotation", 0))), sea.get("centre", (0, 0))
     if turn:
         c, s = mp.cos(turn), mp.sin(turn)
-        waves = [[c * p - s * q, s * p + c * q, w, a,
-                  phase + (p - c * p + s * q) * centre[0] + (q - s * p - c * q) * centre[1]]
-                 for p, q, w, a, phase in waves]
+        waves = [
+            [
+                c * p - s * q,
+                s * p + c * q,
+                w,
+                a,
+                phase + (p - c * p + s * q) * centre[0] + (q - s * p - c * q) * centre[1],
+            ]
+            for p, q, w, a, phase in waves
+        ]
     return [list(column) for column in zip(*waves, strict=True)]
 
 
-def surface(waves: Sequence[Sequence[float]], x: Sequence[float], y: Sequence[float],
-            t: Sequence[float]) -> list[list[list[Number]]]:
+def surface(
+    waves: Sequence[Sequence[float]], x: Sequence[float], y: Sequence[float], t: Sequence[float]
+) -> list[list[list[Number]]]:
     """eta[x][y][t], wave by wave."""
     listed = [[mpf(v) for v in wave] for wave in zip(*waves, strict=True)]
-    return [[[mp.fsum(a * mp.cos(kx * mpf(p) + ky * mpf(q) - w * mpf(s) + phase) for kx, ky, w, a, phase in listed)
-              for s in t] for q in y] for p in x]
+    return [
+        [
+            [
+                mp.fsum(a * mp.cos(kx * mpf(p) + ky * mpf(q) - w * mpf(s) + phase) for kx, ky, w, a, phase in listed)
+                for s in t
+            ]
+            for q in y
+        ]
+        for p in x
+    ]
 
 
 # ---------------------------------------------------------------- windows and spectra
@@ -176,8 +224,9 @@ def closed_lobe(name: str, v: Number) -> Number:
     v = mpf(v)
     if name in sums:
         a = sums[name]
-        return a[0] * mp.sincpi(v) + mp.fsum(w / 2 * (mp.sincpi(v - j) + mp.sincpi(v + j))
-                                             for j, w in enumerate(a) if j)
+        return a[0] * mp.sincpi(v) + mp.fsum(
+            w / 2 * (mp.sincpi(v - j) + mp.sincpi(v + j)) for j, w in enumerate(a) if j
+        )
     _kaiser_bessel(name)
     b = mp.pi * mp.sqrt(3)
     z = mp.sqrt(mp.mpc(b**2 - (mp.pi * v) ** 2))
@@ -194,8 +243,14 @@ def nearest_root(function: Callable[[Number], Number], start: Number) -> Number:
     return mp.findroot(function, (mpf(start), mpf(start) * (1 + mpf(10) ** -8)))
 
 
-def spectrum(waves: Sequence[Sequence[float]], shape: Sequence[int], spacing: Sequence[float], name: str,
-             columns: Bins, frequencies: Sequence[int] | None = None) -> list[list[Number]]:
+def spectrum(
+    waves: Sequence[Sequence[float]],
+    shape: Sequence[int],
+    spacing: Sequence[float],
+    name: str,
+    columns: Bins,
+    frequencies: Sequence[int] | None = None,
+) -> list[list[Number]]:
     """S at the bins (i, j) of `columns` and `frequencies` m, (n, nw), as a sum over waves and their mirror images.
 
     Frequencies are 0 ... nt // 2 unless given.
@@ -221,8 +276,10 @@ def transformed(eta: Any, name: str) -> list[list[list[Number]]]:
     """S of a given surface eta[x][y][t] on all bins, as fftfreq orders them: three plain sums, one an axis."""
     shape = len(eta), len(eta[0]), len(eta[0][0])
     wx, wy, wt = (_samples(name, n) for n in shape)
-    ex, ey, et = ([[mp.expjpi(sign * 2 * mpf(a * b % n) / n) for b in range(n)] for a in range(n)]
-                  for n, sign in zip(shape, (-1, -1, 1), strict=True))
+    ex, ey, et = (
+        [[mp.expjpi(sign * 2 * mpf(a * b % n) / n) for b in range(n)] for a in range(n)]
+        for n, sign in zip(shape, (-1, -1, 1), strict=True)
+    )
     nx, ny, nt = (range(n) for n in shape)
     in_t = [[[mp.fsum(wt[c] * mpf(eta[a][b][c]) * et[m][c] for c in nt) for m in nt] for b in ny] for a in nx]
     in_y = [[[mp.fsum(wy[b] * in_t[a][b][m] * ey[j][b] for b in ny) for m in nt] for j in ny] for a in nx]
@@ -235,8 +292,15 @@ def transformed(eta: Any, name: str) -> list[list[list[Number]]]:
 class Shell:
     """F on the bins around a wavenumber: `columns` (i, j), their k and omega0; frequencies and their weights."""
 
-    def __init__(self, values: list[list[Number]] | None, columns: Bins, shape: Sequence[int],
-                 spacing: Sequence[float], gravity: float, width: Number = 4) -> None:
+    def __init__(
+        self,
+        values: list[list[Number]] | None,
+        columns: Bins,
+        shape: Sequence[int],
+        spacing: Sequence[float],
+        gravity: float,
+        width: Number = 4,
+    ) -> None:
         sides = [n * mpf(d) for n, d in zip(shape, spacing, strict=True)]
         self.kx = [2 * mp.pi * i / sides[0] for i, _ in columns]
         self.ky = [2 * mp.pi * j / sides[1] for _, j in columns]
@@ -259,9 +323,12 @@ def shell_bins(shape: Sequence[int], spacing: Sequence[float], wavenumber: Numbe
     """Bins (i, j) with |k - k_i| <= 2 dk, those on the edge included (decisions D3, D20)."""
     dkx, dky = (2 * mp.pi / (n * mpf(d)) for n, d in zip(shape[:2], spacing, strict=False))
     reach = (2 + mpf(10) ** -9) * max(dkx, dky)
-    return [(i, j) for i in range(-(shape[0] // 2), (shape[0] + 1) // 2)
-            for j in range(-(shape[1] // 2), (shape[1] + 1) // 2)
-            if abs(mp.hypot(i * dkx, j * dky) - mpf(wavenumber)) <= reach]
+    return [
+        (i, j)
+        for i in range(-(shape[0] // 2), (shape[0] + 1) // 2)
+        for j in range(-(shape[1] // 2), (shape[1] + 1) // 2)
+        if abs(mp.hypot(i * dkx, j * dky) - mpf(wavenumber)) <= reach
+    ]
 
 
 def characteristic(shell: Shell, c: Sequence[Number]) -> list[list[Number]]:
@@ -292,8 +359,11 @@ def score(shell: Shell, c: Sequence[Number]) -> tuple[Number, list[Number], list
     gradient = [scale * (top[s] * b - t * bottom[s]) / b**2 for s in (1, 2)]
 
     def second_derivative(s: int, r: int, q: int) -> Number:
-        return scale * (top[s] / b - (top[r] * bottom[q] + top[q] * bottom[r] + t * bottom[s]) / b**2
-                        + 2 * t * bottom[r] * bottom[q] / b**3)
+        return scale * (
+            top[s] / b
+            - (top[r] * bottom[q] + top[q] * bottom[r] + t * bottom[s]) / b**2
+            + 2 * t * bottom[r] * bottom[q] / b**3
+        )
 
     xy = second_derivative(4, 1, 2)
     return scale * t / b, gradient, [[second_derivative(3, 1, 1), xy], [xy, second_derivative(5, 2, 2)]]

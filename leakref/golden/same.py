@@ -32,8 +32,12 @@ def alike(a: Any, b: Any, allowed: Any = None) -> bool:
     try:
         one, other = (np.asarray(value, dtype=np.float64) for value in (a, b))
     except (TypeError, ValueError):  # words, or lists of different lengths, among them
-        return isinstance(a, list) and isinstance(b, list) and len(a) == len(b) and all(
-            map(partial(alike, allowed=allowed), a, b))
+        return (
+            isinstance(a, list)
+            and isinstance(b, list)
+            and len(a) == len(b)
+            and all(map(partial(alike, allowed=allowed), a, b))
+        )
     if one.shape != other.shape:
         return False
     tolerated = tolerance(1.0) * np.maximum(np.abs(one), np.abs(other)) if allowed is None else allowed
@@ -69,15 +73,25 @@ def agree(before: Entry, after: Entry) -> bool:
     digits. How many digits the routes agreed on is not compared: beyond the tolerance it is chance.
     """
     a, b = before.record, after.record
-    tolerances = {name: archived_tolerance(v) for members in VECTORS.values() for v in members if v.id == before.id
-             for name in v.archived}
+    tolerances = {
+        name: archived_tolerance(v)
+        for members in VECTORS.values()
+        for v in members
+        if v.id == before.id
+        for name in v.archived
+    }
     conditioning = [{name: said["conditioning"] for name, said in one["accuracy"].items()} for one in (a, b)]
     return bool(
-        a.keys() == b.keys() and all(a[key] == b[key] for key in a if key not in _COMPUTED)
+        a.keys() == b.keys()
+        and all(a[key] == b[key] for key in a if key not in _COMPUTED)
         and before.input.keys() == after.input.keys()
         and all(alike(value, after.input[name], tolerances.get(name)) for name, value in before.input.items())
         and all(alike(a[name], b[name]) for name in _COMPUTED[3:] if name in a)
-        and before.output.keys() == after.output.keys() and not compare(before, after.output)
+        and before.output.keys() == after.output.keys()
+        and not compare(before, after.output)
         and conditioning[0].keys() == conditioning[1].keys()
-        and all(alike(value, conditioning[1][name], _HALF * np.abs(np.asarray(value, dtype=np.float64)))
-                for name, value in conditioning[0].items()))
+        and all(
+            alike(value, conditioning[1][name], _HALF * np.abs(np.asarray(value, dtype=np.float64)))
+            for name, value in conditioning[0].items()
+        )
+    )

@@ -16,9 +16,15 @@ from leakref.golden.sets import Golden
 
 __all__ = ["RESULTS", "Stored", "draw_illustrations", "draw_results", "run", "stored"]
 
-RESULTS = {"theta0-dtheta": ("fig:spec_ex", "fig:Ang_Dang"), "gamma": ("fig:peakedness",),
-           "L-T": ("fig:video_duration",), "U": ("fig:ConstCurr",), "U_rotated30": ("fig:ConstCurr_rot30",),
-           "windows": ("fig:DSV_win_comp_results",), "nsp-ls": ("fig:ex_NSP_vs_LS",)}
+RESULTS = {
+    "theta0-dtheta": ("fig:spec_ex", "fig:Ang_Dang"),
+    "gamma": ("fig:peakedness",),
+    "L-T": ("fig:video_duration",),
+    "U": ("fig:ConstCurr",),
+    "U_rotated30": ("fig:ConstCurr_rot30",),
+    "windows": ("fig:DSV_win_comp_results",),
+    "nsp-ls": ("fig:ex_NSP_vs_LS",),
+}
 """The paper's labels of the figures of results, by case and rotation."""
 
 
@@ -44,10 +50,19 @@ class Stored:
     def record(self) -> dict[str, Any]:
         """As an Ensemble's, in the JSON of `leakref reproduce` (guide protocol, section 14)."""
         frequency, wavenumber = self.resolutions
-        return {"case": self.configuration.id, "window": self.window, "method": self.method,
-                "wavenumbers": self.wavenumbers, "bias": self.bias, "random": self.random, "mean": self.mean,
-                "standard_error": self.standard_error, "resolution_frequency": frequency,
-                "resolution_wavenumber": wavenumber, "realizations": REALIZATIONS}
+        return {
+            "case": self.configuration.id,
+            "window": self.window,
+            "method": self.method,
+            "wavenumbers": self.wavenumbers,
+            "bias": self.bias,
+            "random": self.random,
+            "mean": self.mean,
+            "standard_error": self.standard_error,
+            "resolution_frequency": frequency,
+            "resolution_wavenumber": wavenumber,
+            "realizations": REALIZATIONS,
+        }
 
 
 def stored(golden: Golden | None = None) -> Iterator[Stored]:
@@ -56,8 +71,16 @@ def stored(golden: Golden | None = None) -> Iterator[Stored]:
     for entry in (golden or Golden()).entries("ensembles"):
         given, out = entry.record["input"], entry.output
         c = known[given["configuration"]]
-        yield Stored(c, given["window"], given["method"], c.wavenumbers, out["bias"], out["random"], out["mean"],
-                     out["standard_error"])
+        yield Stored(
+            c,
+            given["window"],
+            given["method"],
+            c.wavenumbers,
+            out["bias"],
+            out["random"],
+            out["mean"],
+            out["standard_error"],
+        )
 
 
 def draw_results(out: Path, results: Sequence[Result], realizations: int) -> list[dict[str, Any]]:
@@ -82,8 +105,10 @@ def draw_illustrations(out: Path) -> list[dict[str, Any]]:
     """The figures of the paper that show no results: `labels` there, `files` here."""
     from leakref.paper.illustrations import ILLUSTRATIONS
 
-    return [{"labels": (label,), "files": save(draw(), out / f"figure_{name}")}
-            for label, (name, draw) in ILLUSTRATIONS.items()]
+    return [
+        {"labels": (label,), "files": save(draw(), out / f"figure_{name}")}
+        for label, (name, draw) in ILLUSTRATIONS.items()
+    ]
 
 
 def run(out: Path, *, json: bool) -> bool:
@@ -96,6 +121,9 @@ def run(out: Path, *, json: bool) -> bool:
     else:
         for one in drawn:
             print(f"{', '.join(one['labels'])}: {one['files'][0]}")
-    console().print(f"[dim]{len(drawn)} figures, PNG and SVG, in {out}; results are from golden/v1, 100 realisations "
-                    "(name cases, or --all, to compute them)[/dim]", soft_wrap=True)
+    console().print(
+        f"[dim]{len(drawn)} figures, PNG and SVG, in {out}; results are from golden/v1, 100 realisations "
+        "(name cases, or --all, to compute them)[/dim]",
+        soft_wrap=True,
+    )
     return True

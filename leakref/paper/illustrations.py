@@ -14,8 +14,8 @@ from scipy.ndimage import map_coordinates
 
 from leakref import leakage, nsp
 from leakref._base import FloatArray
-from leakref.dispersion import DEEP
 from leakref.currents import UniformCurrent
+from leakref.dispersion import DEEP
 from leakref.figures import COLOURS, WINDOW_WORDS, figure, styled
 from leakref.grid import Grid
 from leakref.sea import LARGEST_WAVENUMBER, SeaState, jonswap
@@ -33,12 +33,14 @@ def leakage_lobes() -> Figure:
     drawing, axes = figure(1, 2, width=8.5, height=3.2, sharey=True, width_ratios=(2, 1))
     for ax, furthest in zip(axes[0], (25, 4), strict=True):
         v = np.linspace(0, furthest, 200 * furthest + 1)
-        for name, colour, line in zip(("box", "hann", "blackman", "kaiser-bessel"), COLOURS, ("-", "-", "-", "--"),
-                                      strict=False):
+        for name, colour, line in zip(
+            ("box", "hann", "blackman", "kaiser-bessel"), COLOURS, ("-", "-", "-", "--"), strict=False
+        ):
             taper = window(name)
             relative = np.abs(taper.transform(v) / taper.transform(0.0))
-            ax.semilogy(v, np.maximum(relative, _FAINTEST / 10), color=colour, ls=line, lw=1.1,
-                        label=WINDOW_WORDS[name])
+            ax.semilogy(
+                v, np.maximum(relative, _FAINTEST / 10), color=colour, ls=line, lw=1.1, label=WINDOW_WORDS[name]
+            )
         ax.set_xlabel(r"$f$ / $\delta\omega$ (pixels)")
         ax.set_xlim(0, furthest)
     axes[0, 0].set_ylim(_FAINTEST, 1.5)
@@ -88,8 +90,9 @@ def two_dimensional_leakage() -> Figure:
         seen = np.abs(seen + taper.response(i, -x, size) @ taper.response(j, -y, size).T)
         level = np.log10(np.maximum(seen / seen.max(), _FAINTEST))
         image = ax.pcolormesh(i, j, level.T, cmap="cividis", vmin=-4, vmax=0, shading="nearest", rasterized=True)
-        ax.plot(*(values.ravel() for values in np.meshgrid(i, j)), "o", mfc="none", mec="white", ms=1.6, mew=0.3,
-                alpha=0.7)
+        ax.plot(
+            *(values.ravel() for values in np.meshgrid(i, j)), "o", mfc="none", mec="white", ms=1.6, mew=0.3, alpha=0.7
+        )
         ax.plot(x, y, "^", color=COLOURS[1], mec="white", ms=6, label="waves")
         ax.set_title(WINDOW_WORDS[name])
         ax.set_xlabel(r"$k_x$ / $\delta k$ (bins)")
@@ -111,8 +114,17 @@ def _surface(ax: Axes3D, velocity: tuple[float, float], colour: str, title: str)
     """The dispersion surface omega0(k) + k.U, and where a cylinder of radius k_i cuts it."""
     radius, angle = np.meshgrid(np.linspace(0, 1.7, 25), np.linspace(0, 2 * np.pi, 61))
     x, y = radius * np.cos(angle), radius * np.sin(angle)
-    ax.plot_surface(x, y, DEEP.frequency(radius) + x * velocity[0] + y * velocity[1], color="0.8", alpha=0.45,
-                    linewidth=0.2, edgecolor="0.6", rstride=4, cstride=4)
+    ax.plot_surface(
+        x,
+        y,
+        DEEP.frequency(radius) + x * velocity[0] + y * velocity[1],
+        color="0.8",
+        alpha=0.45,
+        linewidth=0.2,
+        edgecolor="0.6",
+        rstride=4,
+        cstride=4,
+    )
     theta, height = np.meshgrid(np.linspace(0, 2 * np.pi, 61), np.array([0.0, 2.0]))
     ax.plot_surface(_RADIUS * np.cos(theta), _RADIUS * np.sin(theta), height, color=COLOURS[5], alpha=0.2, linewidth=0)
     theta = np.linspace(0, 2 * np.pi, 181)
@@ -150,16 +162,18 @@ def cylinder() -> Figure:
     u, v = nsp.extract(spectrum, [_RADIUS], search=False).velocities[0]
     drawing, empty = figure(2, 1, width=7.0, height=3.1, height_ratios=(1.35, 1))
     empty[0, 0].set_axis_off()
-    for column, (velocity, colour, title) in enumerate((((0.0, 0.0), COLOURS[0], "(a) still water"),
-                                                        (_CURRENT, COLOURS[1], "(b) with a current"))):
+    for column, (velocity, colour, title) in enumerate(
+        (((0.0, 0.0), COLOURS[0], "(a) still water"), (_CURRENT, COLOURS[1], "(b) with a current"))
+    ):
         ax: Any = drawing.add_subplot(2, 2, column + 1, projection="3d", computed_zorder=True)
         _surface(ax, velocity, colour, title)
     ax = empty[1, 0]
     degrees = np.linspace(-180, 180, 361)
     theta = np.radians(degrees)
     seen = _unrolled(spectrum, theta)
-    image = ax.pcolormesh(degrees, spectrum.omega, (seen / seen.max()).T, cmap="Greys", shading="nearest",
-                          rasterized=True)
+    image = ax.pcolormesh(
+        degrees, spectrum.omega, (seen / seen.max()).T, cmap="Greys", shading="nearest", rasterized=True
+    )
     still = DEEP.frequency(_RADIUS)
     ax.plot(degrees, np.full(theta.size, still), color=COLOURS[0], ls="--", lw=1.6, label="still water")
     fit = still + _RADIUS * (u * np.cos(theta) + v * np.sin(theta))
@@ -179,5 +193,6 @@ ILLUSTRATIONS: dict[str, tuple[str, Callable[[], Figure]]] = {
     "fig:leakage_lobes": ("leakage_lobes", leakage_lobes),
     "fig:spectrum_examples": ("spectrum_examples", spectrum_examples),
     "fig:leakage_illustration2D": ("leakage_2d", two_dimensional_leakage),
-    "fig:cylinderIllustration": ("cylinder", cylinder)}
+    "fig:cylinderIllustration": ("cylinder", cylinder),
+}
 """By the paper's label: the end of the file's name, and what draws it."""

@@ -28,8 +28,18 @@ def _named(ids: Sequence[str]) -> list[Configuration]:
     return list({c.id: c for c in found}.values())
 
 
-def run(ids: Sequence[str], *, realizations: int, figures: bool, out: Path, route: str, json: bool, workers: int = 1,
-        scheduler: str = "", everything: bool = False) -> bool:
+def run(
+    ids: Sequence[str],
+    *,
+    realizations: int,
+    figures: bool,
+    out: Path,
+    route: str,
+    json: bool,
+    workers: int = 1,
+    scheduler: str = "",
+    everything: bool = False,
+) -> bool:
     """Run the configurations named by `ids`, write everything to `out`, print the tables; returns True.
 
     Realisations already in `out`, of the same source and settings, are not computed again. With `everything`, `figures`
@@ -40,8 +50,9 @@ def run(ids: Sequence[str], *, realizations: int, figures: bool, out: Path, rout
     done: list[Ensemble] = []
     where = runs.connected(scheduler) if scheduler else runs.pool(workers)
     with progress_bar("realisations", realizations * len(chosen)) as step, where as executor:
-        for found in runs.run(chosen, realizations=realizations, route=route, folder=out / "parts", executor=executor,
-                              after_each=step):
+        for found in runs.run(
+            chosen, realizations=realizations, route=route, folder=out / "parts", executor=executor, after_each=step
+        ):
             done += found
             _write(out, found[0].configuration.id, found)
     shears = [row for e in done if isinstance(e.configuration, Sheared) for row in inferred(e)]
@@ -70,10 +81,17 @@ def _file_name(configuration_id: str) -> str:
 def _write(out: Path, name: str, ensembles: Sequence[Ensemble]) -> None:
     """A CSV for each window and method, and the velocities of every realisation as an npz."""
     for e in ensembles:
-        columns = {"wavenumber": e.wavenumbers, "bias": e.bias, "random": e.random, "mean_x": e.mean[:, 0],
-                   "mean_y": e.mean[:, 1], "standard_error": e.standard_error,
-                   "resolution_frequency": e.resolutions[0], "resolution_wavenumber": e.resolutions[1],
-                   "realizations": e.count}
+        columns = {
+            "wavenumber": e.wavenumbers,
+            "bias": e.bias,
+            "random": e.random,
+            "mean_x": e.mean[:, 0],
+            "mean_y": e.mean[:, 1],
+            "standard_error": e.standard_error,
+            "resolution_frequency": e.resolutions[0],
+            "resolution_wavenumber": e.resolutions[1],
+            "realizations": e.count,
+        }
 
         def write(path: Path, columns: dict[str, np.ndarray] = columns) -> None:
             with path.open("w", newline="", encoding="utf-8") as stream:
@@ -83,10 +101,12 @@ def _write(out: Path, name: str, ensembles: Sequence[Ensemble]) -> None:
 
         write_whole(out / f"{_file_name(name)}_{e.window}_{e.method}.csv", write)
     arrays: dict[str, Any] = {"wavenumbers": ensembles[0].wavenumbers}
-    arrays |= {f"{e.window}_{e.method}_{what}": values for e in ensembles
-              for what, values in (("velocities", e.velocities), ("notes", e.notes))}
-    write_whole(out / f"{_file_name(name)}.npz",
-                lambda path: np.savez(path, **arrays))
+    arrays |= {
+        f"{e.window}_{e.method}_{what}": values
+        for e in ensembles
+        for what, values in (("velocities", e.velocities), ("notes", e.notes))
+    }
+    write_whole(out / f"{_file_name(name)}.npz", lambda path: np.savez(path, **arrays))
 
 
 def _record(e: Ensemble) -> dict[str, Any]:
@@ -114,9 +134,13 @@ def _draw(out: Path, ensembles: Sequence[Ensemble], realizations: int, everythin
 
 def _shear_table(rows: Sequence[Inferred], realizations: int) -> Table:
     """The shear inferred along the current by profile, direction, band, method and window, beside the true one."""
-    result = Table(title="Shear inferred along the current, in c0 k0: mean ± standard deviation",
-                   caption=f"{realizations} realisations; slope of velocities over effective depths -1 / 2k",
-                   caption_justify="left", title_justify="left", box=SIMPLE_HEAD)
+    result = Table(
+        title="Shear inferred along the current, in c0 k0: mean ± standard deviation",
+        caption=f"{realizations} realisations; slope of velocities over effective depths -1 / 2k",
+        caption_justify="left",
+        title_justify="left",
+        box=SIMPLE_HEAD,
+    )
     for heading in ("profile", "current", "band", "method"):
         result.add_column(heading)
     for heading in ("true", "untapered", "Hann"):
@@ -134,8 +158,11 @@ def _shear_table(rows: Sequence[Inferred], realizations: int) -> Table:
 def table(ensembles: Sequence[Ensemble]) -> Table:
     """Bias and random part for each wavenumber, beside both resolutions; those beyond the smaller one in red."""
     first = ensembles[0]
-    result = Table(title=f"{first.configuration.id}: mean ± standard deviation of |c|, in c0",
-                   caption=_caption(ensembles), caption_justify="left")
+    result = Table(
+        title=f"{first.configuration.id}: mean ± standard deviation of |c|, in c0",
+        caption=_caption(ensembles),
+        caption_justify="left",
+    )
     result.add_column("k / k0", justify="right")
     for e in ensembles:
         result.add_column(f"{e.window} {e.method}", justify="right")
@@ -156,5 +183,7 @@ def _caption(ensembles: Sequence[Ensemble]) -> str:
     flagged = {name: sum(int(e.noted(note).sum()) for e in ensembles) for note in Note for name in note.names}
     shells = sum(e.notes.size for e in ensembles)
     said = ", ".join(f"{name} {count}" for name, count in flagged.items() if count) or "none"
-    return (f"{len(ensembles[0].velocities)} realisations; red: the mean is beyond the smaller resolution; "
-            f"notes among {shells} shells: {said}")
+    return (
+        f"{len(ensembles[0].velocities)} realisations; red: the mean is beyond the smaller resolution; "
+        f"notes among {shells} shells: {said}"
+    )

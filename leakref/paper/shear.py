@@ -21,8 +21,20 @@ from leakref.currents import Current, ExponentialCurrent, LinearCurrent, Uniform
 from leakref.ensemble import Ensemble
 from leakref.sea import Components, SeaState
 
-__all__ = ["BANDS", "DEPTH", "DIRECTIONS", "PROFILES", "SHEAR", "SHEARED", "SURFACE", "Inferred", "Sheared", "answer",
-           "inferred", "sheared"]
+__all__ = [
+    "BANDS",
+    "DEPTH",
+    "DIRECTIONS",
+    "PROFILES",
+    "SHEAR",
+    "SHEARED",
+    "SURFACE",
+    "Inferred",
+    "Sheared",
+    "answer",
+    "inferred",
+    "sheared",
+]
 
 SURFACE = 0.15
 """Speed of the current at the surface in c0, the largest of case-U."""
@@ -78,9 +90,10 @@ class Sheared(Configuration):
         return sea.components(realization)
 
 
-SHEARED = tuple(Sheared("shear", speed=SURFACE, current_direction=direction, profile=profile,
-                        varied=("current_direction",))
-                for profile, direction in product(PROFILES, DIRECTIONS))
+SHEARED = tuple(
+    Sheared("shear", speed=SURFACE, current_direction=direction, profile=profile, varied=("current_direction",))
+    for profile, direction in product(PROFILES, DIRECTIONS)
+)
 """Case shear: each profile with, across and against the waves."""
 
 
@@ -136,10 +149,19 @@ def inferred(ensemble: Ensemble) -> list[Inferred]:
         each = _slope(k[on], ensemble.velocities[:, on] @ c.along)
         each = each[np.isfinite(each)]
         random = float(each.std(ddof=1)) if each.size > 1 else float("nan")
-        rows.append(Inferred(c.profile, c.current_direction, ensemble.window, ensemble.method, band,
-                             float(_slope(k[on], (c.truth @ c.along)[on])),
-                             float(each.mean()) if each.size else float("nan"), random,
-                             random / float(np.sqrt(max(each.size, 1)))))
+        rows.append(
+            Inferred(
+                c.profile,
+                c.current_direction,
+                ensemble.window,
+                ensemble.method,
+                band,
+                float(_slope(k[on], (c.truth @ c.along)[on])),
+                float(each.mean()) if each.size else float("nan"),
+                random,
+                random / float(np.sqrt(max(each.size, 1))),
+            )
+        )
     return rows
 
 
@@ -154,8 +176,10 @@ def answer(rows: Sequence[Inferred]) -> str:
                 added.append(f"{_span(shares, '+.0f')} % {words}")
             if alone := [abs(row.mean) for row in of if row.profile == "uniform"]:
                 made.append(f"{max(alone):.2g} {words}")
-        parts = [f"leakage adds to the true shear {' and '.join(added)}" if added else "",
-                 f"where there is none it makes one of up to {' and '.join(made)} (c0 k0)" if made else ""]
+        parts = [
+            f"leakage adds to the true shear {' and '.join(added)}" if added else "",
+            f"where there is none it makes one of up to {' and '.join(made)} (c0 k0)" if made else "",
+        ]
         where = "all wavenumbers" if band == "all" else "wavenumbers from the peak up"
         said.append(f"By NSP, over {where}, {'; '.join(part for part in parts if part)}.")
     return " ".join(said)

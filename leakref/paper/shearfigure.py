@@ -24,8 +24,9 @@ def shear_figure(ensembles: Sequence[Ensemble], title: str) -> Figure:
     shown = [(e, e.configuration) for e in ensembles if e.method == "nsp" and isinstance(e.configuration, Sheared)]
     profiles = [name for name in PROFILES if any(c.profile == name for _, c in shown)]
     directions = [angle for angle in DIRECTIONS if any(c.current_direction == angle for _, c in shown)]
-    drawing, axes = figure(len(directions), len(profiles), width=max(5.5, 3.0 * len(profiles)), height=2.6, sharey=True,
-                           sharex="row")
+    drawing, axes = figure(
+        len(directions), len(profiles), width=max(5.5, 3.0 * len(profiles)), height=2.6, sharey=True, sharex="row"
+    )
     said: dict[tuple[int, int], list[str]] = {}
     for e, c in shown:
         at = directions.index(c.current_direction), profiles.index(c.profile)
@@ -40,8 +41,10 @@ def shear_figure(ensembles: Sequence[Ensemble], title: str) -> Figure:
             said[at] = [f"shear: true {round(overall.true, 3) + 0.0:.3f}"]
         said[at].append(f"{WINDOW_WORDS[e.window]} {overall.mean:.3f} ± {overall.random:.3f}")
     for (row, column), words in said.items():
-        axes[row, column].set_title("\n".join([f"{profiles[column]}, {DIRECTIONS[directions[row]]}", words[0],
-                                               "; ".join(words[1:])]), fontsize=8)
+        axes[row, column].set_title(
+            "\n".join([f"{profiles[column]}, {DIRECTIONS[directions[row]]}", words[0], "; ".join(words[1:])]),
+            fontsize=8,
+        )
         axes[row, column].set_xlabel(r"velocity along the current / $c_0$")
     for ax in axes[:, 0]:
         ax.set_ylabel(r"effective depth $-k_0 / 2k$")

@@ -33,11 +33,16 @@ def advice(plan: Plan) -> list[str]:
     said = []
     lowest = plan.campaign.aliased_below()
     if lowest is not None:
-        said.append(f"More images a second: waves shorter than {lowest:.3g} m alias in time, which spoils all that "
-                    "follows.")
-    return [*said, _against("Taper with a Hann window", best, plan.ways["box", "nsp"], "untapered"),
-            _against("Extract by NSP", best, plan.ways["hann", "ls"], "least squares"),
-            *_trust(plan.campaign, best), _enlarge(plan)]
+        said.append(
+            f"More images a second: waves shorter than {lowest:.3g} m alias in time, which spoils all that follows."
+        )
+    return [
+        *said,
+        _against("Taper with a Hann window", best, plan.ways["box", "nsp"], "untapered"),
+        _against("Extract by NSP", best, plan.ways["hann", "ls"], "least squares"),
+        *_trust(plan.campaign, best),
+        _enlarge(plan),
+    ]
 
 
 def _ratio(other: tuple[float, float], own: tuple[float, float]) -> tuple[float, float]:
@@ -59,8 +64,10 @@ def _against(what: str, best: Expected, other: Expected, name: str) -> str:
 
 def _stretches(best: Expected, chosen: npt.NDArray[np.bool_]) -> str:
     """Ranges of wavelengths in words."""
-    return ", ".join(f"{longest:.3g} to {shortest:.3g} m" if longest > shortest else f"{longest:.3g} m"
-                     for longest, shortest in ranges(best.wavelengths.tolist(), chosen.tolist()))
+    return ", ".join(
+        f"{longest:.3g} to {shortest:.3g} m" if longest > shortest else f"{longest:.3g} m"
+        for longest, shortest in ranges(best.wavelengths.tolist(), chosen.tolist())
+    )
 
 
 def _trust(campaign: Campaign, best: Expected) -> list[str]:
@@ -69,20 +76,26 @@ def _trust(campaign: Campaign, best: Expected) -> list[str]:
     trusted = best.trusted & (single < (campaign.speed or np.inf))
     worst = int(np.argmax(np.where(trusted, single, -1)))
     limit = "the smaller velocity resolution" + " and the current itself" * bool(campaign.speed)
-    said = [f"Trust no wavelength: even tapered, by NSP, bias and twice the random part nowhere stay below {limit}. "
-            "Enlarge the area."]
+    said = [
+        f"Trust no wavelength: even tapered, by NSP, bias and twice the random part nowhere stay below {limit}. "
+        "Enlarge the area."
+    ]
     if trusted.any():
         rest = "" if trusted.all() else ", not the others"
-        said = [f"Trust wavelengths of {_stretches(best, trusted)}{rest}: there a single flight, tapered and by NSP, "
-                f"errs by less than {limit} (bias and twice the random part; at most {single[worst]:.2g} m/s, at "
-                f"{best.wavelengths[worst]:.3g} m)."]
+        said = [
+            f"Trust wavelengths of {_stretches(best, trusted)}{rest}: there a single flight, tapered and by NSP, "
+            f"errs by less than {limit} (bias and twice the random part; at most {single[worst]:.2g} m/s, at "
+            f"{best.wavelengths[worst]:.3g} m)."
+        ]
     if campaign.speed:
         small = single <= SHARE * campaign.speed
         where = f"at {_stretches(best, small)}" if small.any() else "nowhere"
         left = np.hypot(*best.mean_error.T)
         most = int(np.nanargmax(left))
-        said.append(f"Within {100 * SHARE:.0f} % of the current asked for: {where}. Many flights averaged would still "
-                    f"be off by {left[most]:.2g} m/s at {best.wavelengths[most]:.3g} m.")
+        said.append(
+            f"Within {100 * SHARE:.0f} % of the current asked for: {where}. Many flights averaged would still "
+            f"be off by {left[most]:.2g} m/s at {best.wavelengths[most]:.3g} m."
+        )
     return said
 
 
@@ -91,8 +104,10 @@ def _enlarge(plan: Plan) -> str:
     own = plan.best.level()
     (area, area_error), (longer, longer_error) = (_ratio(e.level(), own) for e in (plan.larger, plan.longer))
     change = f"{100 * (area - 1):+.0f} ± {100 * area_error:.0f} %"
-    figures = (f"twice the area changes the bias at wavelengths up to the peak's by {change}, twice the duration by "
-               f"{100 * (longer - 1):+.0f} ± {100 * longer_error:.0f} %")
+    figures = (
+        f"twice the area changes the bias at wavelengths up to the peak's by {change}, twice the duration by "
+        f"{100 * (longer - 1):+.0f} ± {100 * longer_error:.0f} %"
+    )
     off, error = longer - area, float(np.hypot(area_error, longer_error))
     if off > _SURE * error:
         return f"A larger area before a longer video: {figures}."

@@ -21,17 +21,28 @@ from leakref.planning.quantities import number, quantity
 
 __all__ = ["PARAMETERS", "parse_sweep", "run"]
 
-PARAMETERS = {"field-of-view": ("field_of_view", "m"), "duration": ("duration", "s"),
-              "peak-wavelength": ("peak_wavelength", "m"), "direction": ("direction", "deg"),
-              "spread": ("spread", "deg"), "gamma": ("peakedness", ""), "current": ("speed", "m/s"),
-              "current-direction": ("current_direction", "deg"), "pixel": ("pixel", "m"),
-              "frame-rate": ("frame_rate", "Hz")}
+PARAMETERS = {
+    "field-of-view": ("field_of_view", "m"),
+    "duration": ("duration", "s"),
+    "peak-wavelength": ("peak_wavelength", "m"),
+    "direction": ("direction", "deg"),
+    "spread": ("spread", "deg"),
+    "gamma": ("peakedness", ""),
+    "current": ("speed", "m/s"),
+    "current-direction": ("current_direction", "deg"),
+    "pixel": ("pixel", "m"),
+    "frame-rate": ("frame_rate", "Hz"),
+}
 """What can be swept over, as on the command line: the Campaign's name for it, and its unit."""
 _MOST_VALUES = 40
 _POOL = 60e6  # bins in all realisations together from which starting processes pays
 _SHOWN = (1.5, 1.0, 0.5)  # wavelengths in a sweep's table, in those of the peak
-_WAYS = {("box", "nsp"): "untapered NSP", ("hann", "nsp"): "Hann NSP", ("box", "ls"): "untapered LS",
-         ("hann", "ls"): "Hann LS"}
+_WAYS = {
+    ("box", "nsp"): "untapered NSP",
+    ("hann", "nsp"): "Hann NSP",
+    ("box", "ls"): "untapered LS",
+    ("hann", "ls"): "Hann LS",
+}
 
 
 def _value(option: str, text: str) -> float:
@@ -41,12 +52,18 @@ def _value(option: str, text: str) -> float:
 
 def _campaign(given: Mapping[str, str | None]) -> Campaign:
     """From the options as typed; a rectangular area is written 128m x 96m."""
-    values: dict[str, Any] = {PARAMETERS[name][0]: _value(name, text) for name, text in given.items()
-                              if text is not None and name != "field-of-view"}
+    values: dict[str, Any] = {
+        PARAMETERS[name][0]: _value(name, text)
+        for name, text in given.items()
+        if text is not None and name != "field-of-view"
+    }
     sides = [_value("field-of-view", side) for side in str(given["field-of-view"]).split("x")]
     if len(sides) > 2:
-        raise LeakrefError("plan", f"--field-of-view {given['field-of-view']} has {len(sides)} sides",
-                           "write it as in --field-of-view 128m, or '128m x 96m' along x and y")
+        raise LeakrefError(
+            "plan",
+            f"--field-of-view {given['field-of-view']} has {len(sides)} sides",
+            "write it as in --field-of-view 128m, or '128m x 96m' along x and y",
+        )
     values.setdefault("current_direction", values.get("direction", Campaign.direction))
     return Campaign(field_of_view=(sides[0], sides[-1]), **values)
 
@@ -56,17 +73,31 @@ def parse_sweep(text: str) -> tuple[str, list[float]]:
     name, _, values = text.partition("=")
     parts = values.split(":")
     if name not in PARAMETERS or len(parts) != 3:
-        raise LeakrefError("plan", f"--sweep {text} is not NAME=FIRST:LAST:HOW-MANY",
-                           f"write it as in --sweep spread=15deg:90deg:6; names are {', '.join(PARAMETERS)}")
+        raise LeakrefError(
+            "plan",
+            f"--sweep {text} is not NAME=FIRST:LAST:HOW-MANY",
+            f"write it as in --sweep spread=15deg:90deg:6; names are {', '.join(PARAMETERS)}",
+        )
     if not parts[2].isdecimal() or not 2 <= int(parts[2]) <= _MOST_VALUES:
-        raise LeakrefError("plan", f"--sweep {text} asks for {parts[2]!r} values",
-                           f"ask for 2 to {_MOST_VALUES}: NAME=FIRST:LAST:HOW-MANY")
+        raise LeakrefError(
+            "plan",
+            f"--sweep {text} asks for {parts[2]!r} values",
+            f"ask for 2 to {_MOST_VALUES}: NAME=FIRST:LAST:HOW-MANY",
+        )
     first, last = (_value(name, part) for part in parts[:2])
     return name, np.linspace(first, last, int(parts[2])).tolist()
 
 
-def run(given: Mapping[str, str | None], *, sweep: str | None, realizations: int | None, out: Path, workers: int,
-        cores: int, json: bool) -> bool:
+def run(
+    given: Mapping[str, str | None],
+    *,
+    sweep: str | None,
+    realizations: int | None,
+    out: Path,
+    workers: int,
+    cores: int,
+    json: bool,
+) -> bool:
     """Simulate the campaign that the options describe, write everything to `out`, print it; returns True.
 
     `workers` 0 takes all `cores` where that pays. Raises LeakrefError.
@@ -79,51 +110,93 @@ def run(given: Mapping[str, str | None], *, sweep: str | None, realizations: int
     folder(out)
     total = count + 2 * max(2, count // 2) + fewer * len(campaigns)
     effort = 2 * count * work(campaign.flight) + sum(fewer * work(c.flight) for c in campaigns)
-    with (progress_bar("realisations", total) as step,
-          runs.pool(workers or (cores if effort > _POOL else 1)) as executor):
+    with (
+        progress_bar("realisations", total) as step,
+        runs.pool(workers or (cores if effort > _POOL else 1)) as executor,
+    ):
         found = plan(campaign, count, executor=executor, after_each=step)
         sweeps = expected(campaigns, fewer, executor=executor, after_each=step) if campaigns else []
     record = _record(found, advice(found), count)
     if sweep:
-        record["sweep"] = {"parameter": name, "unit": PARAMETERS[name][1], "realizations": fewer,
-                           "values": [{"value": value, "ways": [e.record() for e in ways.values()]}
-                                      for value, ways in zip(values, sweeps, strict=True)]}
+        record["sweep"] = {
+            "parameter": name,
+            "unit": PARAMETERS[name][1],
+            "realizations": fewer,
+            "values": [
+                {"value": value, "ways": [e.record() for e in ways.values()]}
+                for value, ways in zip(values, sweeps, strict=True)
+            ],
+        }
     pictures = _write(out, found, record, name, values, sweeps)
     if json:
         print(dump(record))
     else:
         _show(found, record["recommendations"], name, values, sweeps)
-    console().print(f"[dim]plan.json, {1 + bool(sweep)} table{'s' * bool(sweep)} (CSV) and {len(pictures)} pictures in "
-                    f"{out}[/dim]")
+    console().print(
+        f"[dim]plan.json, {1 + bool(sweep)} table{'s' * bool(sweep)} (CSV) and {len(pictures)} pictures in {out}[/dim]"
+    )
     return True
 
 
 def _record(found: Plan, said: Sequence[str], count: int) -> dict[str, Any]:
     """The object of `--json`: at the top what Hann and NSP give, under `ways` all of them."""
     c, grid, scales = found.campaign, found.campaign.flight.grid, found.campaign.scales
-    asked = {"field_of_view": c.field_of_view, "duration": c.duration, "peak_wavelength": c.peak_wavelength,
-             "direction": c.direction, "spread": c.spread, "gamma": c.peakedness, "current": c.speed,
-             "current_direction": c.current_direction, "pixel": [d * scales.length for d in grid.spacing[:2]],
-             "frame_rate": 1 / (grid.spacing[2] * scales.time), "gravity": GRAVITY, "shape": grid.shape}
-    levels = [(what, e.level(), len(e.measured.velocities)) for what, e in (
-        ("as asked", found.best), ("twice the area", found.larger), ("twice the duration", found.longer))]
-    return envelope("plan", True, **found.best.record(), realizations=count, campaign=asked,
-                    true_current=found.best.measured.configuration.current * scales.velocity,
-                    units={"wavelengths": "m", "velocities": "m/s", "angles": "degrees"},
-                    definitions={"bias": "mean of |c - U|", "random": "standard deviation of |c - U|",
-                                 "mean_error": "mean of c - U", "speed": "mean of |c|", "level": "bias, mean over the "
-                                 "wavelengths up to the peak's"},
-                    ways=[e.record() for e in found.ways.values()],
-                    enlarged=[{"what": what, "level": level[0], "standard_error": level[1], "realizations": number}
-                              for what, level, number in levels], recommendations=said)
+    asked = {
+        "field_of_view": c.field_of_view,
+        "duration": c.duration,
+        "peak_wavelength": c.peak_wavelength,
+        "direction": c.direction,
+        "spread": c.spread,
+        "gamma": c.peakedness,
+        "current": c.speed,
+        "current_direction": c.current_direction,
+        "pixel": [d * scales.length for d in grid.spacing[:2]],
+        "frame_rate": 1 / (grid.spacing[2] * scales.time),
+        "gravity": GRAVITY,
+        "shape": grid.shape,
+    }
+    levels = [
+        (what, e.level(), len(e.measured.velocities))
+        for what, e in (
+            ("as asked", found.best),
+            ("twice the area", found.larger),
+            ("twice the duration", found.longer),
+        )
+    ]
+    return envelope(
+        "plan",
+        True,
+        **found.best.record(),
+        realizations=count,
+        campaign=asked,
+        true_current=found.best.measured.configuration.current * scales.velocity,
+        units={"wavelengths": "m", "velocities": "m/s", "angles": "degrees"},
+        definitions={
+            "bias": "mean of |c - U|",
+            "random": "standard deviation of |c - U|",
+            "mean_error": "mean of c - U",
+            "speed": "mean of |c|",
+            "level": "bias, mean over the wavelengths up to the peak's",
+        },
+        ways=[e.record() for e in found.ways.values()],
+        enlarged=[
+            {"what": what, "level": level[0], "standard_error": level[1], "realizations": number}
+            for what, level, number in levels
+        ],
+        recommendations=said,
+    )
 
 
 def _columns(e: Expected) -> dict[str, Sequence[Any]]:
     record = e.record()
     mean = np.asarray(record.pop("mean_error"))
     first = {"window": [e.window] * len(mean), "method": [e.method] * len(mean)}
-    return {**first, **{name: np.asarray(values).tolist() for name, values in record.items() if name not in first},
-            "mean_error_x": mean[:, 0].tolist(), "mean_error_y": mean[:, 1].tolist()}
+    return {
+        **first,
+        **{name: np.asarray(values).tolist() for name, values in record.items() if name not in first},
+        "mean_error_x": mean[:, 0].tolist(),
+        "mean_error_y": mean[:, 1].tolist(),
+    }
 
 
 def _table(path: Path, rows: Sequence[tuple[dict[str, Any], Expected]]) -> None:
@@ -142,12 +215,20 @@ def _table(path: Path, rows: Sequence[tuple[dict[str, Any], Expected]]) -> None:
 def _title(c: Campaign) -> str:
     sides = dict.fromkeys(f"{side:.4g}" for side in c.field_of_view)
     current = f"current {c.speed:.3g} m/s at {c.current_direction:.4g}°" if c.speed else "no current"
-    return (f"{' x '.join(sides)} m for {c.duration:.4g} s; waves of {c.peak_wavelength:.4g} m at {c.direction:.4g}°, "
-            rf"spread {c.spread:.4g}°, $\gamma$ = {c.peakedness:.3g}; {current}")
+    return (
+        f"{' x '.join(sides)} m for {c.duration:.4g} s; waves of {c.peak_wavelength:.4g} m at {c.direction:.4g}°, "
+        rf"spread {c.spread:.4g}°, $\gamma$ = {c.peakedness:.3g}; {current}"
+    )
 
 
-def _write(out: Path, found: Plan, record: Mapping[str, Any], name: str, values: Sequence[float],
-           sweeps: Sequence[Mapping[tuple[str, str], Expected]]) -> list[Path]:
+def _write(
+    out: Path,
+    found: Plan,
+    record: Mapping[str, Any],
+    name: str,
+    values: Sequence[float],
+    sweeps: Sequence[Mapping[tuple[str, str], Expected]],
+) -> list[Path]:
     """Everything to the folder; the pictures' paths."""
     from leakref.figures import save
     from leakref.planning.figures import plan_figure, sweep_figure
@@ -156,31 +237,49 @@ def _write(out: Path, found: Plan, record: Mapping[str, Any], name: str, values:
     _table(out / "plan.csv", [({}, e) for e in found.ways.values()])
     pictures = save(plan_figure(found, _title(found.campaign)), out / "plan")
     if sweeps:
-        _table(out / "plan_sweep.csv", [({name: value}, e) for value, ways in zip(values, sweeps, strict=True)
-                                        for e in ways.values()])
+        _table(
+            out / "plan_sweep.csv",
+            [({name: value}, e) for value, ways in zip(values, sweeps, strict=True) for e in ways.values()],
+        )
         unit = PARAMETERS[name][1]
         label = f"{name.replace('-', ' ')} ({unit})" if unit else name
-        pictures += save(sweep_figure(label, values, sweeps, f"Sweep over the {name.replace('-', ' ')}: "
-                                      f"{_title(found.campaign)}"), out / "plan_sweep")
+        pictures += save(
+            sweep_figure(label, values, sweeps, f"Sweep over the {name.replace('-', ' ')}: {_title(found.campaign)}"),
+            out / "plan_sweep",
+        )
     return pictures
 
 
-def _show(found: Plan, said: Sequence[str], name: str, values: Sequence[float],
-          sweeps: Sequence[Mapping[tuple[str, str], Expected]]) -> None:
+def _show(
+    found: Plan,
+    said: Sequence[str],
+    name: str,
+    values: Sequence[float],
+    sweeps: Sequence[Mapping[tuple[str, str], Expected]],
+) -> None:
     show, best = Console(), found.best
     count = len(best.measured.velocities)
-    table = Table(title="Expected errors |c - U| in m/s: mean ± standard deviation", title_justify="left",
-                  caption=f"{count} simulated flights, so that the mean is uncertain by the deviation over "
-                  f"{np.sqrt(count):.1f}. Green: mean and twice the deviation are within the smaller of the velocity "
-                  "resolutions, domega / k and cg dk / k.", caption_justify="left", box=SIMPLE_HEAD, pad_edge=False,
-                  padding=(0, 1, 0, 0))
+    table = Table(
+        title="Expected errors |c - U| in m/s: mean ± standard deviation",
+        title_justify="left",
+        caption=f"{count} simulated flights, so that the mean is uncertain by the deviation over "
+        f"{np.sqrt(count):.1f}. Green: mean and twice the deviation are within the smaller of the velocity "
+        "resolutions, domega / k and cg dk / k.",
+        caption_justify="left",
+        box=SIMPLE_HEAD,
+        pad_edge=False,
+        padding=(0, 1, 0, 0),
+    )
     for heading in ("length\n(m)", *(words.replace(" ", "\n") for words in _WAYS.values())):
         table.add_column(heading, justify="right")
     for heading in ("domega\n/ k", "cg dk\n/ k"):
         table.add_column(heading, justify="right", style="dim")
     for row, wavelength in enumerate(best.wavelengths):
-        cells = [f"[green]{text}[/green]" if e.trusted[row] else text for e in (found.ways[key] for key in _WAYS)
-                 for text in [f"{e.bias[row]:.3f}±{e.random[row]:.3f}"]]
+        cells = [
+            f"[green]{text}[/green]" if e.trusted[row] else text
+            for e in (found.ways[key] for key in _WAYS)
+            for text in [f"{e.bias[row]:.3f}±{e.random[row]:.3f}"]
+        ]
         table.add_row(f"{wavelength:.2f}", *cells, *(f"{values[row]:.3f}" for values in best.resolutions))
     show.print(table)
     if sweeps:
@@ -189,12 +288,14 @@ def _show(found: Plan, said: Sequence[str], name: str, values: Sequence[float],
         show.print(f"- {sentence}", soft_wrap=True, highlight=False)
 
 
-def _sweep_table(name: str, values: Sequence[float],
-                 sweeps: Sequence[Mapping[tuple[str, str], Expected]]) -> Table:
+def _sweep_table(name: str, values: Sequence[float], sweeps: Sequence[Mapping[tuple[str, str], Expected]]) -> Table:
     """Bias at three wavelengths for each value, untapered and tapered, by NSP."""
     unit = PARAMETERS[name][1]
-    table = Table(title="Mean of |c - U| by NSP in m/s, untapered and with Hann, at wavelengths nearest to those named",
-                  title_justify="left", box=SIMPLE_HEAD)
+    table = Table(
+        title="Mean of |c - U| by NSP in m/s, untapered and with Hann, at wavelengths nearest to those named",
+        title_justify="left",
+        box=SIMPLE_HEAD,
+    )
     table.add_column(f"{name} ({unit})" if unit else name, justify="right")
     for share in _SHOWN:
         table.add_column(f"{share:g} of the peak's", justify="right")

@@ -39,19 +39,41 @@ def plan_figure(plan: Plan, title: str) -> Figure:
         look = {"color": COLOURS[list(METHODS).index(method)], "lw": 1.4, "label": METHODS[method].title}
         column = windows.index(window)
         axes[0, column].plot(e.wavelengths, e.bias, **look)
-        axes[0, column].fill_between(e.wavelengths, np.maximum(e.bias - 2 * e.standard_error, 1e-9),
-                                     e.bias + 2 * e.standard_error, color=look["color"], alpha=0.2, lw=0)
+        axes[0, column].fill_between(
+            e.wavelengths,
+            np.maximum(e.bias - 2 * e.standard_error, 1e-9),
+            e.bias + 2 * e.standard_error,
+            color=look["color"],
+            alpha=0.2,
+            lw=0,
+        )
         axes[1, column].plot(e.wavelengths, 2 * e.random, **look)
     best = plan.best
     for ax in axes.flat:
         for values, line, what in zip(best.resolutions, ("-", "--"), (r"\omega", "k"), strict=True):
-            ax.plot(best.wavelengths, values, color="0.55", ls=line, lw=1, zorder=0,
-                    label=rf"resolution $\delta c_{{\delta {what}}}$")
+            ax.plot(
+                best.wavelengths,
+                values,
+                color="0.55",
+                ls=line,
+                lw=1,
+                zorder=0,
+                label=rf"resolution $\delta c_{{\delta {what}}}$",
+            )
         if plan.campaign.speed:
             ax.axhline(plan.campaign.speed, color="black", ls=":", lw=1, label="the true current")
     for ax in axes[:, windows.index("hann")]:
-        ax.fill_between(best.wavelengths, 0, 1, where=best.trusted, color=COLOURS[2], alpha=0.1, lw=0,
-                        transform=ax.get_xaxis_transform(), label="to be trusted (NSP)")
+        ax.fill_between(
+            best.wavelengths,
+            0,
+            1,
+            where=best.trusted,
+            color=COLOURS[2],
+            alpha=0.1,
+            lw=0,
+            transform=ax.get_xaxis_transform(),
+            label="to be trusted (NSP)",
+        )
     for column, window in enumerate(windows):
         axes[0, column].set_title(WINDOW_WORDS[window])
         axes[1, column].set_xlabel("wavelength (m)")
@@ -75,8 +97,9 @@ def sweep_figure(label: str, values: Sequence[float], found: Sequence[Ways], tit
     shades = mpl.colormaps["viridis"](np.linspace(0, 0.92, len(values)))
     for value, ways, shade in zip(values, found, shades, strict=True):
         for (window, method), e in ways.items():
-            axes[methods.index(method), windows.index(window)].plot(e.wavelengths, e.bias, color=shade, lw=1.4,
-                                                                    label=f"{value:.4g}")
+            axes[methods.index(method), windows.index(window)].plot(
+                e.wavelengths, e.bias, color=shade, lw=1.4, label=f"{value:.4g}"
+            )
     for row, method in enumerate(methods):
         axes[row, 0].set_ylabel(f"{METHODS[method].title}: bias (m/s)")
     for column, window in enumerate(windows):

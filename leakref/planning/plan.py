@@ -20,8 +20,20 @@ from leakref.ensemble import Ensemble
 from leakref.grid import SPACING, TIME_STEP, Grid
 from leakref.shell import EDGE_MARGIN, HALF_WIDTH
 
-__all__ = ["FEWEST", "GRAVITY", "MOST", "Campaign", "Expected", "Flight", "Plan", "default_realizations", "expected",
-           "plan", "swept", "work"]
+__all__ = [
+    "FEWEST",
+    "GRAVITY",
+    "MOST",
+    "Campaign",
+    "Expected",
+    "Flight",
+    "Plan",
+    "default_realizations",
+    "expected",
+    "plan",
+    "swept",
+    "work",
+]
 
 GRAVITY = 9.81
 """In m/s2."""
@@ -83,39 +95,63 @@ class Campaign:
         for name in ("direction", "current_direction", "speed"):
             finite("plan", name.replace("_", " "), getattr(self, name), 0)
         given = {name: getattr(self, name) for name in ("pixel", "frame_rate") if getattr(self, name) is not None}
-        positive("plan", **{"field of view": self.field_of_view, "duration": self.duration, "peak wavelength":
-                            self.peak_wavelength, "spread": self.spread, "gamma": self.peakedness, **given})
+        positive(
+            "plan",
+            **{
+                "field of view": self.field_of_view,
+                "duration": self.duration,
+                "peak wavelength": self.peak_wavelength,
+                "spread": self.spread,
+                "gamma": self.peakedness,
+                **given,
+            },
+        )
         if self.spread > 360:
             raise LeakrefError("plan", f"a spread of {self.spread:g} degrees", "give a full width of at most 360deg")
         if not 0 <= self.speed < self.scales.velocity:
-            raise LeakrefError("plan", f"a current of {self.speed:g} m/s, where waves of {self.peak_wavelength:g} m "
-                               f"travel at {self.scales.velocity:.3g} m/s",
-                               "give a speed from 0 to below that, and its sense by the current's direction")
+            raise LeakrefError(
+                "plan",
+                f"a current of {self.speed:g} m/s, where waves of {self.peak_wavelength:g} m "
+                f"travel at {self.scales.velocity:.3g} m/s",
+                "give a speed from 0 to below that, and its sense by the current's direction",
+            )
         self._measurable()
 
     def _measurable(self) -> None:
         period = self.scales.time * 2 * np.pi
         across, long = min(self.field_of_view) / self.peak_wavelength, self.duration / period
         if across < FEWEST:
-            raise LeakrefError("plan", f"the field of view is {across:.3g} peak wavelengths across",
-                               f"take at least {FEWEST:g} ({FEWEST * self.peak_wavelength:.4g} m); the paper has 5 and "
-                               "more")
+            raise LeakrefError(
+                "plan",
+                f"the field of view is {across:.3g} peak wavelengths across",
+                f"take at least {FEWEST:g} ({FEWEST * self.peak_wavelength:.4g} m); the paper has 5 and more",
+            )
         if long < FEWEST:
-            raise LeakrefError("plan", f"the video is {long:.3g} peak periods of {period:.3g} s long",
-                               f"take at least {FEWEST:g} ({FEWEST * period:.3g} s); the paper has 5 and more")
+            raise LeakrefError(
+                "plan",
+                f"the video is {long:.3g} peak periods of {period:.3g} s long",
+                f"take at least {FEWEST:g} ({FEWEST * period:.3g} s); the paper has 5 and more",
+            )
         flight = self.flight
         if work(flight) > MOST:
-            raise LeakrefError("plan", f"an area of {across:.3g} wavelengths for {long:.3g} periods has "
-                               f"{work(flight):.1e} bins, beyond {MOST:.0e}", "plan for less of it: biases of a larger "
-                               "area or a longer video are smaller than what you will see")
+            raise LeakrefError(
+                "plan",
+                f"an area of {across:.3g} wavelengths for {long:.3g} periods has "
+                f"{work(flight):.1e} bins, beyond {MOST:.0e}",
+                "plan for less of it: biases of a larger area or a longer video are smaller than what you will see",
+            )
         if min(flight.grid.shape) < 2 or not flight.wavenumbers.size or flight.wavenumbers.max() < 1:
             dk = flight.grid.wavenumber_resolution
             most = self.peak_wavelength / (2 * (1 + (HALF_WIDTH + 1) * dk))
-            raise LeakrefError("plan", f"pixels of {self.pixel} m do not resolve the waves at the peak",
-                               f"take {most:.2g} m or less")
+            raise LeakrefError(
+                "plan", f"pixels of {self.pixel} m do not resolve the waves at the peak", f"take {most:.2g} m or less"
+            )
         if flight.grid.nyquist[2] <= 1 + self.speed / self.scales.velocity:
-            raise LeakrefError("plan", f"{self.frame_rate} images a second do not resolve the peak's period of "
-                               f"{period:.3g} s", f"take {4 / period:.2g} Hz or more")
+            raise LeakrefError(
+                "plan",
+                f"{self.frame_rate} images a second do not resolve the peak's period of {period:.3g} s",
+                f"take {4 / period:.2g} Hz or more",
+            )
 
     @property
     def scales(self) -> Scales:
@@ -129,9 +165,19 @@ class Campaign:
         period = 2 * np.pi * self.scales.time
         pixel = SPACING if self.pixel is None else self.pixel / self.peak_wavelength
         frame = TIME_STEP if self.frame_rate is None else 1 / (self.frame_rate * period)
-        return Flight("plan", self.direction, self.spread, self.peakedness, max(sides), self.duration / period,
-                      self.speed / self.scales.velocity, self.current_direction, sides=(sides[0], sides[1]),
-                      pixel=pixel, frame=frame)
+        return Flight(
+            "plan",
+            self.direction,
+            self.spread,
+            self.peakedness,
+            max(sides),
+            self.duration / period,
+            self.speed / self.scales.velocity,
+            self.current_direction,
+            sides=(sides[0], sides[1]),
+            pixel=pixel,
+            frame=frame,
+        )
 
     def enlarged(self, area: float = 1.0, duration: float = 1.0) -> Campaign:
         """With so many times the area, in the same proportions, and so many times the duration."""
@@ -238,12 +284,22 @@ class Expected:
     def record(self) -> dict[str, Any]:
         """For the JSON of `leakref plan`."""
         speed = self.scales.velocity
-        return {"window": self.window, "method": self.method, "wavelengths": self.wavelengths, "bias": self.bias,
-                "random": self.random, "standard_error": self.standard_error, "mean_error": self.mean_error,
-                "resolution_frequency": self.resolutions[0], "resolution_wavenumber": self.resolutions[1],
-                "speed": self.measured.bias * speed, "speed_random": self.measured.random * speed,
-                "speed_standard_error": self.measured.standard_error * speed, "trusted": self.trusted,
-                "count": self.measured.count}
+        return {
+            "window": self.window,
+            "method": self.method,
+            "wavelengths": self.wavelengths,
+            "bias": self.bias,
+            "random": self.random,
+            "standard_error": self.standard_error,
+            "mean_error": self.mean_error,
+            "resolution_frequency": self.resolutions[0],
+            "resolution_wavenumber": self.resolutions[1],
+            "speed": self.measured.bias * speed,
+            "speed_random": self.measured.random * speed,
+            "speed_standard_error": self.measured.standard_error * speed,
+            "trusted": self.trusted,
+            "count": self.measured.count,
+        }
 
 
 @dataclass(frozen=True, eq=False)
@@ -261,9 +317,15 @@ class Plan:
         return self.ways["hann", "nsp"]
 
 
-def expected(campaigns: Sequence[Campaign], realizations: int, *, windows: tuple[str, ...] = ("box", "hann"),
-             methods: tuple[str, ...] = ("nsp", "ls"), executor: Executor | None = None,
-             after_each: Callable[[], object] = lambda: None) -> list[dict[tuple[str, str], Expected]]:
+def expected(
+    campaigns: Sequence[Campaign],
+    realizations: int,
+    *,
+    windows: tuple[str, ...] = ("box", "hann"),
+    methods: tuple[str, ...] = ("nsp", "ls"),
+    executor: Executor | None = None,
+    after_each: Callable[[], object] = lambda: None,
+) -> list[dict[tuple[str, str], Expected]]:
     """What to expect of each campaign, by (window, method), from realisations 0 ... `realizations` - 1.
 
     Campaigns that differ in spread, gamma, direction, current or duration alone share their random phases (D11).
@@ -271,19 +333,32 @@ def expected(campaigns: Sequence[Campaign], realizations: int, *, windows: tuple
     integer("plan", "realizations", realizations, 2)
     flights = [replace(campaign.flight, windows=windows) for campaign in campaigns]
     found = runs.run(flights, realizations=realizations, methods=methods, executor=executor, after_each=after_each)
-    return [{(e.window, e.method): Expected(e, campaign.scales) for e in ensembles}
-            for campaign, ensembles in zip(campaigns, found, strict=True)]
+    return [
+        {(e.window, e.method): Expected(e, campaign.scales) for e in ensembles}
+        for campaign, ensembles in zip(campaigns, found, strict=True)
+    ]
 
 
-def plan(campaign: Campaign, realizations: int | None = None, *, executor: Executor | None = None,
-         after_each: Callable[[], object] = lambda: None) -> Plan:
+def plan(
+    campaign: Campaign,
+    realizations: int | None = None,
+    *,
+    executor: Executor | None = None,
+    after_each: Callable[[], object] = lambda: None,
+) -> Plan:
     """Simulate `campaign`, and half as often what twice the area or twice the duration would give. Raises LeakrefError.
 
     `after_each` is called after every realisation: twice `realizations` times, if that is even.
     """
     count = realizations or default_realizations(campaign.flight)
     ways = expected([campaign], count, executor=executor, after_each=after_each)[0]
-    others = expected([campaign.enlarged(area=2), campaign.enlarged(duration=2)], max(2, count // 2),
-                      windows=("hann",), methods=("nsp",), executor=executor, after_each=after_each)
+    others = expected(
+        [campaign.enlarged(area=2), campaign.enlarged(duration=2)],
+        max(2, count // 2),
+        windows=("hann",),
+        methods=("nsp",),
+        executor=executor,
+        after_each=after_each,
+    )
     larger, longer = (other["hann", "nsp"] for other in others)
     return Plan(campaign, ways, larger, longer)

@@ -27,8 +27,20 @@ from scipy.stats import t as student
 from leakref._base import FloatArray, positive
 from leakref.track.tracking import UNIT, Series
 
-__all__ = ["ALPHA", "ANSWERS", "BANDS", "LOST", "MARGIN", "POWER", "VERDICTS", "Change", "Comparison",
-           "compare", "in_band", "verdict"]
+__all__ = [
+    "ALPHA",
+    "ANSWERS",
+    "BANDS",
+    "LOST",
+    "MARGIN",
+    "POWER",
+    "VERDICTS",
+    "Change",
+    "Comparison",
+    "compare",
+    "in_band",
+    "verdict",
+]
 
 ALPHA = 0.01
 """Of all comparisons of a run together: how often some interval may miss the true change."""
@@ -142,8 +154,21 @@ class _Pair:
         reach = float(student.isf(alpha / 2, degrees))
         low, high = (change - reach * error, change + reach * error) if np.isfinite(error) else (-np.inf, np.inf)
         smallest = self.margin + (reach + float(student.ppf(POWER, degrees))) * error
-        return Change(*self.series.key, self.band, tuple(self.wavenumbers.tolist()), before, after, change, (low, high),
-                      verdict(low, high, self.margin), self.margin, smallest, self.resolution, count, self.paired)
+        return Change(
+            *self.series.key,
+            self.band,
+            tuple(self.wavenumbers.tolist()),
+            before,
+            after,
+            change,
+            (low, high),
+            verdict(low, high, self.margin),
+            self.margin,
+            smallest,
+            self.resolution,
+            count,
+            self.paired,
+        )
 
 
 def verdict(low: float, high: float, margin: float) -> str:
@@ -165,21 +190,28 @@ def compare(before: Sequence[Series], after: Sequence[Series], *, margin: float 
     single = sum(pair.band.startswith("k") for pair in pairs)
     few = len(pairs) - single
     changes = [pair.change(ALPHA / 2 / (single if pair.band.startswith("k") else few)) for pair in pairs]
-    return Comparison(tuple(changes), tuple(
-        f"{', '.join(key)}: not compared, the case is not the same any more (digest {old[key].digest[:8]}, now "
-        f"{new[key].digest[:8]})" for key in unlike), tuple(
-        f"{', '.join(key)}: not compared, only the {'first' if key in old else 'second'} has it" for key in alone))
+    return Comparison(
+        tuple(changes),
+        tuple(
+            f"{', '.join(key)}: not compared, the case is not the same any more (digest {old[key].digest[:8]}, now "
+            f"{new[key].digest[:8]})"
+            for key in unlike
+        ),
+        tuple(
+            f"{', '.join(key)}: not compared, only the {'first' if key in old else 'second'} has it" for key in alone
+        ),
+    )
 
 
 def _pairs(a: Series, b: Series, margin: float) -> Iterator[_Pair]:
     """Wavenumbers, bands and the share declined."""
     first, last = max(a.first, b.first), min(a.first + len(a.errors), b.first + len(b.errors))
     paired = last > first
-    x, y = (s.errors[first - s.first:last - s.first] if paired else s.errors for s in (a, b))
+    x, y = (s.errors[first - s.first : last - s.first] if paired else s.errors for s in (a, b))
     k, resolution = a.wavenumbers, a.resolution
     for n in range(k.size):
         unit = float(resolution[n])
-        yield _Pair(b, f"k = {k[n]:.4g}", k[n:n + 1], x[:, n], y[:, n], margin * unit, unit, paired)
+        yield _Pair(b, f"k = {k[n]:.4g}", k[n : n + 1], x[:, n], y[:, n], margin * unit, unit, paired)
     both = np.isfinite(x) & np.isfinite(y) if paired else None  # the same shells on either side
     for low, high in BANDS:
         inside = in_band(k, low, high)

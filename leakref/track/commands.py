@@ -16,10 +16,10 @@ from rich.markup import escape
 from rich.table import Table
 
 from leakref import LeakrefError, runs
-from leakref.track import history, tracking
 from leakref._output import console, dump, envelope, folder, progress_bar, write_whole
 from leakref.certify.targets import HarnessBroken, Limits, connect
 from leakref.golden.beside import noted
+from leakref.track import history, tracking
 from leakref.track.changes import ALPHA, POWER, VERDICTS, Change, Comparison, compare
 from leakref.track.timings import compare_timings, timings
 from leakref.track.tracking import Scene, Series
@@ -65,8 +65,11 @@ def run_record(request: Request, *, json: bool) -> int:
             source = tracking.source_of_reference()
         else:
             said, series, silent = _any(request, words, scenes, numbers)
-            source = (tracking.source_of_program(words, request.source) if words else
-                      tracking.source_of(str(request.target), request.source))
+            source = (
+                tracking.source_of_program(words, request.source)
+                if words
+                else tracking.source_of(str(request.target), request.source)
+            )
     except HarnessBroken as broken:
         console().print(f"[red]Could not judge:[/] {escape(str(broken))}", soft_wrap=True)
         return NOTHING_TO_JUDGE
@@ -85,19 +88,26 @@ def run_record(request: Request, *, json: bool) -> int:
         print(dump(envelope("track", True, action="record", entries=[_summary(entry)], silent=silent)))
     else:
         Console().print(_recorded(entry, series))
-        Console().print(f"Recorded as {escape(str(entry))} of {request.path}; source: {escape(source['of'])}",
-                        soft_wrap=True)
+        Console().print(
+            f"Recorded as {escape(str(entry))} of {request.path}; source: {escape(source['of'])}", soft_wrap=True
+        )
     return 0
 
 
 def _words(request: Request) -> list[str]:
     """The command's argument list, empty for a Python target. Raises LeakrefError for wrong use."""
     if bool(request.target) == bool(request.command):
-        raise LeakrefError("track", f"{'a target and a --command' if request.target else 'no target'} was given",
-                           'name reference or package.module:object, or pass --command "program arguments"')
+        raise LeakrefError(
+            "track",
+            f"{'a target and a --command' if request.target else 'no target'} was given",
+            'name reference or package.module:object, or pass --command "program arguments"',
+        )
     if request.label in _RESERVED or (request.label is not None and not request.label.strip().isprintable()):
-        raise LeakrefError("track", f"the label {request.label!r} cannot be used", "choose another: last and previous "
-                           "stand for entries, and it has to be printable")
+        raise LeakrefError(
+            "track",
+            f"the label {request.label!r} cannot be used",
+            "choose another: last and previous stand for entries, and it has to be printable",
+        )
     if request.label == "":
         raise LeakrefError("track", "the label is empty", "an empty variable? Leave --label out, or name the version")
     try:
@@ -116,8 +126,11 @@ def _timed(request: Request) -> dict[str, Any] | None:
     except (OSError, ValueError) as error:
         if isinstance(error, LeakrefError):
             raise
-        raise LeakrefError("track", f"{request.timings} cannot be read ({error})",
-                           "write it with `pytest --benchmark-only --benchmark-json FILE`") from None
+        raise LeakrefError(
+            "track",
+            f"{request.timings} cannot be read ({error})",
+            "write it with `pytest --benchmark-only --benchmark-json FILE`",
+        ) from None
 
 
 Measured = tuple[Mapping[str, Any], list[Series], list[str]]
@@ -145,8 +158,9 @@ def _any(request: Request, words: Sequence[str], scenes: Sequence[Scene], number
 def _summary(entry: history.Entry) -> dict[str, Any]:
     """An entry without the errors of single realisations, and whether it is whole."""
     record = {**entry.record}
-    record["measurements"] = [{name: value for name, value in one.items() if name != "errors"}
-                              for one in record.get("measurements", ())]
+    record["measurements"] = [
+        {name: value for name, value in one.items() if name != "errors"} for one in record.get("measurements", ())
+    ]
     return {"line": entry.line, "fault": entry.fault, **record}
 
 
@@ -159,12 +173,17 @@ def _recorded(entry: history.Entry, series: Sequence[Series]) -> Table:
     for one in series:
         bias, random, middle = one.bias, one.random, range(0, one.wavenumbers.size, max(1, one.wavenumbers.size // 4))
         for row, n in enumerate(middle):
-            table.add_row(*(one.key if row == 0 else ("", "", "")), f"{one.wavenumbers[n]:.2f}",
-                          f"{one.resolution[n]:.4f}", f"{bias[n]:.4f} ± {random[n]:.4f}")
+            table.add_row(
+                *(one.key if row == 0 else ("", "", "")),
+                f"{one.wavenumbers[n]:.2f}",
+                f"{one.resolution[n]:.4f}",
+                f"{bias[n]:.4f} ± {random[n]:.4f}",
+            )
     return table
 
 
 # ------------------------------------------------------------ comparing
+
 
 def run_compare(first: str, second: str, path: Path, *, margin: float, json: bool) -> int:
     """The exit status of `Comparison`; 3 also if one of the entries is not whole."""
@@ -182,9 +201,22 @@ def run_compare(first: str, second: str, path: Path, *, margin: float, json: boo
     found = compare(*([Series.read(one) for one in entry.record["measurements"]] for entry in (a, b)), margin=margin)
     timed = compare_timings(a.record["timings"], b.record["timings"])
     if json:
-        print(dump(envelope("track", found.status == 0, action="compare", before=_summary(a), after=_summary(b),
-                            comparisons=[change.record() for change in found.changes], unlike=found.unlike,
-                            alone=found.alone, timings=timed, faults=kept.faults)))
+        print(
+            dump(
+                envelope(
+                    "track",
+                    found.status == 0,
+                    action="compare",
+                    before=_summary(a),
+                    after=_summary(b),
+                    comparisons=[change.record() for change in found.changes],
+                    unlike=found.unlike,
+                    alone=found.alone,
+                    timings=timed,
+                    faults=kept.faults,
+                )
+            )
+        )
     else:
         _print(a, b, found, timed)
     return found.status
@@ -207,31 +239,45 @@ def _print(a: history.Entry, b: history.Entry, found: Comparison, timed: Sequenc
         show.print(f"[yellow]{escape(line)}[/]", soft_wrap=True)
     for row in timed:
         low, high = row["interval"]
-        show.print(f"timing of {escape(row['name'])}: {100 * row['change']:+.0f} % ({100 * low:+.0f} to "
-                   f"{100 * high:+.0f}), {row['verdict']}", soft_wrap=True)
+        show.print(
+            f"timing of {escape(row['name'])}: {100 * row['change']:+.0f} % ({100 * low:+.0f} to "
+            f"{100 * high:+.0f}), {row['verdict']}",
+            soft_wrap=True,
+        )
     counts = ", ".join(f"{sum(c.verdict == v for c in found.changes)} {v}" for v in VERDICTS)
     colour = {0: "green", 1: "red"}.get(found.status, "yellow")
     words = {0: "no rise", 1: "worse", 3: "could not judge"}[found.status]
-    show.print(f"[bold {colour}]{words}[/]: {len(found.changes)} comparisons, {counts}. Their intervals hold together "
-               f"with a confidence of {100 * (1 - ALPHA):g} % (Bonferroni); a rise is seen with a probability of "
-               f"{100 * POWER:g} % from the figure at the end of a line on.", soft_wrap=True)
+    show.print(
+        f"[bold {colour}]{words}[/]: {len(found.changes)} comparisons, {counts}. Their intervals hold together "
+        f"with a confidence of {100 * (1 - ALPHA):g} % (Bonferroni); a rise is seen with a probability of "
+        f"{100 * POWER:g} % from the figure at the end of a line on.",
+        soft_wrap=True,
+    )
 
 
 def _row(c: Change) -> str:
     reach = (c.interval[1] - c.interval[0]) / 2
-    return (f"  {c.band:10}  {c.before:.5f} -> {c.after:.5f}  {c.change:+.5f} ± {reach:.5f}  {c.verdict:9}  "
-            f"seen from {c.smallest:.5f}")
+    return (
+        f"  {c.band:10}  {c.before:.5f} -> {c.after:.5f}  {c.change:+.5f} ± {reach:.5f}  {c.verdict:9}  "
+        f"seen from {c.smallest:.5f}"
+    )
 
 
 # ------------------------------------------------------------ looking
+
 
 def run_check(path: Path, *, json: bool) -> bool:
     """Whether every line is whole, there once, and follows on one that is there."""
     kept = history.read(path)
     ok = bool(kept.entries) and not kept.faults
     if json:
-        print(dump(envelope("track", ok, action="check", entries=[_summary(line) for line in kept.lines],
-                            faults=kept.faults)))
+        print(
+            dump(
+                envelope(
+                    "track", ok, action="check", entries=[_summary(line) for line in kept.lines], faults=kept.faults
+                )
+            )
+        )
         return ok
     _say_faults(kept)
     faults = f"{len(kept.faults) or 'no'} fault{'s' * (len(kept.faults) != 1)}"
@@ -241,8 +287,8 @@ def run_check(path: Path, *, json: bool) -> bool:
 
 def run_plot(path: Path, *, cases: Sequence[str], target: str | None, out: Path, json: bool) -> int:
     """Pictures and a page of the entries of one target (default: that of the last): 0, or 3 if there is none."""
-    from leakref.track import page
     from leakref.figures import save
+    from leakref.track import page
 
     kept = history.read(path)
     _say_faults(kept)
@@ -250,8 +296,9 @@ def run_plot(path: Path, *, cases: Sequence[str], target: str | None, out: Path,
     entries = [entry for entry in kept.entries if entry.target == wanted]
     there = list(dict.fromkeys(one["case"] for entry in entries for one in entry.record["measurements"]))
     if not there:
-        console().print(f"[red]Nothing to show:[/] {escape(str(path))} has no whole entry"
-                        + f" of {escape(wanted)}" * bool(wanted))
+        console().print(
+            f"[red]Nothing to show:[/] {escape(str(path))} has no whole entry" + f" of {escape(wanted)}" * bool(wanted)
+        )
         return NOTHING_TO_JUDGE
     if missing := [name for name in cases if name not in there]:
         raise LeakrefError("track", f"{path} has nothing of {', '.join(missing)}", f"choose among {', '.join(there)}")
@@ -260,27 +307,40 @@ def run_plot(path: Path, *, cases: Sequence[str], target: str | None, out: Path,
     pictures, paths = [], []
     for case in present:
         name = "".join(letter if letter.isalnum() or letter in ".-" else "_" for letter in case)
-        for kind, draw, words in (("levels", page.levels_figure, _LEVELS), ("curves", page.curves_figure,
-                                                                                 _CURVES)):
+        for kind, draw, words in (("levels", page.levels_figure, _LEVELS), ("curves", page.curves_figure, _CURVES)):
             files = save(draw(shown, case), out / f"{kind}_{name}")
-            pictures.append({"title": f"{case}: {_TITLES[kind]}", "words": words,
-                             "data": b64encode(files[0].read_bytes()).decode()})
+            pictures.append(
+                {"title": f"{case}: {_TITLES[kind]}", "words": words, "data": b64encode(files[0].read_bytes()).decode()}
+            )
             paths += files
     text = page.page(kept, shown, pictures)
     paths.insert(0, write_whole(out / "history.html", partial(_write_text, text)))
     if json:
-        print(dump(envelope("track", True, action="plot", entries=[_summary(entry) for entry in entries],
-                            paths=paths, faults=kept.faults)))
+        print(
+            dump(
+                envelope(
+                    "track",
+                    True,
+                    action="plot",
+                    entries=[_summary(entry) for entry in entries],
+                    paths=paths,
+                    faults=kept.faults,
+                )
+            )
+        )
     else:
-        Console().print(f"Page: {paths[0]}; beside it {len(paths) - 1} pictures of {', '.join(present)}",
-                        soft_wrap=True)
+        Console().print(
+            f"Page: {paths[0]}; beside it {len(paths) - 1} pictures of {', '.join(present)}", soft_wrap=True
+        )
     return 0
 
 
 _TITLES = {"levels": "bias against version", "curves": "bias against wavenumber"}
-_LEVELS = ("Mean error in each band of wavenumbers, in units of the mean smaller resolution there, with its standard "
-           "error (that of a change is smaller: realisations are paired). A triangle marks a step since the version "
-           "before.")
+_LEVELS = (
+    "Mean error in each band of wavenumbers, in units of the mean smaller resolution there, with its standard "
+    "error (that of a change is smaller: realisations are paired). A triangle marks a step since the version "
+    "before."
+)
 _CURVES = "Mean error at each wavenumber: the first version, the last, and those with the latest steps between them."
 
 

@@ -32,9 +32,9 @@ from leakref import runs
 from leakref._base import FloatArray
 from leakref._output import dump, envelope, folder, progress_bar
 from leakref.cases import CASES, Configuration, configurations
-from leakref.track.changes import ALPHA, BANDS, Comparison, compare, in_band
 from leakref.claims.stored import write
 from leakref.ensemble import Ensemble
+from leakref.track.changes import ALPHA, BANDS, Comparison, compare, in_band
 from leakref.track.tracking import PAPER, Series
 
 __all__ = ["RISE", "run"]
@@ -58,10 +58,17 @@ class _Tally:
     alarmed: int
 
     def record(self) -> dict[str, Any]:
-        return {"comparisons": self.runs, "alarms": self.alarms, "share": self.alarms / self.runs,
-                "interval": _interval(self.alarms, self.runs), "misses": self.misses,
-                "share_of_misses": self.misses / self.runs, "interval_of_misses": _interval(self.misses, self.runs),
-                "configurations": self.configurations, "configurations_with_an_alarm": self.alarmed}
+        return {
+            "comparisons": self.runs,
+            "alarms": self.alarms,
+            "share": self.alarms / self.runs,
+            "interval": _interval(self.alarms, self.runs),
+            "misses": self.misses,
+            "share_of_misses": self.misses / self.runs,
+            "interval_of_misses": _interval(self.misses, self.runs),
+            "configurations": self.configurations,
+            "configurations_with_an_alarm": self.alarmed,
+        }
 
 
 def _interval(count: int, of: int) -> list[float]:
@@ -70,8 +77,19 @@ def _interval(count: int, of: int) -> list[float]:
 
 
 def _series(ensembles: Sequence[Ensemble]) -> list[Series]:
-    return [Series(e.configuration.case, "", e.window, e.method, e.wavenumbers, np.minimum(*e.resolutions), 0,
-                   np.hypot(*np.moveaxis(e.velocities - e.configuration.current, -1, 0))) for e in ensembles]
+    return [
+        Series(
+            e.configuration.case,
+            "",
+            e.window,
+            e.method,
+            e.wavenumbers,
+            np.minimum(*e.resolutions),
+            0,
+            np.hypot(*np.moveaxis(e.velocities - e.configuration.current, -1, 0)),
+        )
+        for e in ensembles
+    ]
 
 
 def _halves(series: Sequence[Series], rng: np.random.Generator) -> Comparison:
@@ -94,8 +112,9 @@ def _by_lot(series: Sequence[Series], images: Sequence[Series], rng: np.random.G
 def _tally(comparisons: Sequence[Sequence[Comparison]]) -> _Tally:
     """Of several comparisons of each configuration."""
     alarms = [sum(bool(one.worse) for one in own) for own in comparisons]
-    misses = [sum(any(c.interval[0] > 0 or c.interval[1] < 0 for c in one.changes) for one in own)
-              for own in comparisons]
+    misses = [
+        sum(any(c.interval[0] > 0 or c.interval[1] < 0 for c in one.changes) for one in own) for own in comparisons
+    ]
     return _Tally(sum(map(len, comparisons)), sum(alarms), sum(misses), len(comparisons), sum(map(bool, alarms)))
 
 
@@ -123,8 +142,11 @@ def _null(place: Path, executor: Executor | None, step: Progress) -> dict[str, A
 
 def _planted(place: Path, executor: Executor | None) -> Iterator[dict[str, Any]]:
     """For each series, band and kind of rise: in how many trials it was called worse."""
-    found = [e for group in runs.run(configurations(PAPER), realizations=_REALIZATIONS, folder=place,
-                                     executor=executor) for e in group]
+    found = [
+        e
+        for group in runs.run(configurations(PAPER), realizations=_REALIZATIONS, folder=place, executor=executor)
+        for e in group
+    ]
     before = [replace(one, case=e.configuration.id) for one, e in zip(_series(found), found, strict=True)]
     rng = np.random.default_rng(5)
     for n, (one, e) in enumerate(zip(before, found, strict=True)):
@@ -135,10 +157,17 @@ def _planted(place: Path, executor: Executor | None) -> Iterator[dict[str, Any]]
                 for _ in range(trials):
                     errors = one.errors.copy()
                     errors[:, inside] = raised(e, inside, rng)
-                    after = [*before[:n], replace(one, errors=errors), *before[n + 1:]]
+                    after = [*before[:n], replace(one, errors=errors), *before[n + 1 :]]
                     seen += any(c.band == f"{low:g} to {high:g}" for c in compare(before, after).worse)
-                yield {"case": one.case, "window": one.window, "method": one.method, "band": f"{low:g} to {high:g}",
-                       "rise": kind, "trials": trials, "seen": seen}
+                yield {
+                    "case": one.case,
+                    "window": one.window,
+                    "method": one.method,
+                    "band": f"{low:g} to {high:g}",
+                    "rise": kind,
+                    "trials": trials,
+                    "seen": seen,
+                }
 
 
 def _evenly(e: Ensemble, inside: Any, rng: np.random.Generator) -> FloatArray:
@@ -172,8 +201,9 @@ def run(out: Path | None, *, place: Path, workers: int, json: bool) -> bool:
     declared = {"alarms": ALPHA / 2, "misses": ALPHA}
     rare = null["all"]["share"] <= declared["alarms"] and null["all"]["share_of_misses"] <= declared["misses"]
     ok = rare and all(row["seen"] == row["trials"] for row in planted if row["rise"] == "even")
-    result = envelope("track", ok, action="null", declared=declared, realizations=_REALIZATIONS, **null, rise=RISE,
-                      planted=planted)
+    result = envelope(
+        "track", ok, action="null", declared=declared, realizations=_REALIZATIONS, **null, rise=RISE, planted=planted
+    )
     if out:
         write(out, result, ("planted",))
     if json:
@@ -182,10 +212,14 @@ def run(out: Path | None, *, place: Path, workers: int, json: bool) -> bool:
     show = Console()
     for name in ("unpaired", "paired", "all"):
         row = null[name]
-        said = [f"{row[count]} {count} ({100 * row[share]:.2g} %, {100 * row[where][0]:.2g} to "
-                f"{100 * row[where][1]:.2g}, declared {100 * declared[count]:g} %)"
-                for count, share, where in (("alarms", "share", "interval"),
-                                            ("misses", "share_of_misses", "interval_of_misses"))]
+        said = [
+            f"{row[count]} {count} ({100 * row[share]:.2g} %, {100 * row[where][0]:.2g} to "
+            f"{100 * row[where][1]:.2g}, declared {100 * declared[count]:g} %)"
+            for count, share, where in (
+                ("alarms", "share", "interval"),
+                ("misses", "share_of_misses", "interval_of_misses"),
+            )
+        ]
         show.print(f"{name}: {row['comparisons']} null comparisons, {' and '.join(said)}", soft_wrap=True)
     for kind in ("even", "scattered"):
         rows = [row for row in planted if row["rise"] == kind]

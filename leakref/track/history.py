@@ -87,13 +87,20 @@ class History:
         if found is None:
             labels = ", ".join(dict.fromkeys(entry.label for entry in self.lines if entry.label)) or "none"
             if name == "previous" and self.lines:
-                raise LeakrefError("history", f"{self.path} has no entry of the target of the last one, "
-                                   f"{self.lines[-1].target}, before it", f"name one of the labels: {labels}")
-            raise LeakrefError("history", f"{self.path} has no entry {name!r}; there are {labels}",
-                               "name one of them, last or previous, or record it first")
+                raise LeakrefError(
+                    "history",
+                    f"{self.path} has no entry of the target of the last one, {self.lines[-1].target}, before it",
+                    f"name one of the labels: {labels}",
+                )
+            raise LeakrefError(
+                "history",
+                f"{self.path} has no entry {name!r}; there are {labels}",
+                "name one of them, last or previous, or record it first",
+            )
         if found.fault:
-            raise Damaged("history", f"line {found.line} of {self.path} {found.fault}",
-                          "put the line back from version control")
+            raise Damaged(
+                "history", f"line {found.line} of {self.path} {found.fault}", "put the line back from version control"
+            )
         return found
 
     def _named(self, name: str) -> Entry | None:
@@ -142,8 +149,12 @@ def append(path: Path, fields: Mapping[str, Any]) -> tuple[Entry, str]:
             stream.flush()
             os.fsync(stream.fileno())
     except (OSError, portalocker.LockException) as error:
-        raise refusal("history", f"{path} cannot be written ({error})",
-                      "choose another file with --history, or end who holds it", error) from None
+        raise refusal(
+            "history",
+            f"{path} cannot be written ({error})",
+            "choose another file with --history, or end who holds it",
+            error,
+        ) from None
     return Entry(len(lines) + 1, record), said
 
 
@@ -156,8 +167,12 @@ def _bytes(path: Path) -> bytes:
     except portalocker.LockException:
         return path.read_bytes()  # a file system without locks
     except OSError as error:
-        raise refusal("history", f"{path} cannot be read ({error.strerror or error})",
-                      "record into it first: `leakref track record`", error) from None
+        raise refusal(
+            "history",
+            f"{path} cannot be read ({error.strerror or error})",
+            "record into it first: `leakref track record`",
+            error,
+        ) from None
 
 
 def _line(record: Mapping[str, Any]) -> bytes:

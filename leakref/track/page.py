@@ -11,15 +11,16 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from matplotlib.figure import Figure
 
 from leakref import __version__
-from leakref.track.changes import ALPHA, BANDS, MARGIN, VERDICTS, Change, Comparison, compare, in_band
 from leakref.figures import COLOURS, figure
+from leakref.track.changes import ALPHA, BANDS, MARGIN, VERDICTS, Change, Comparison, compare, in_band
 from leakref.track.history import Entry, History
 from leakref.track.tracking import Series
 
 __all__ = ["Version", "curves_figure", "levels_figure", "page", "versions"]
 
-_PAGES = Environment(loader=PackageLoader("leakref.certify", "pages"), autoescape=True, undefined=StrictUndefined,
-                     trim_blocks=True)
+_PAGES = Environment(
+    loader=PackageLoader("leakref.certify", "pages"), autoescape=True, undefined=StrictUndefined, trim_blocks=True
+)
 _GRADES = {0: ("no rise", "sound"), 1: ("worse", "rejected"), 3: ("not compared", "unjudged")}  # by exit status
 _MOST = 5
 """Curves in one picture: the first version, the last, and those with the latest steps between."""
@@ -35,9 +36,13 @@ class Version:
 
     def steps(self, key: tuple[str, str, str] | None = None) -> list[Change]:
         """Bands that are better or worse than in the version before; all of them, or those of one series."""
-        return [change for change in (self.step.changes if self.step else ())
-                if not change.single and change.verdict in ("better", "worse")
-                and key in (None, (change.case, change.window, change.method))]
+        return [
+            change
+            for change in (self.step.changes if self.step else ())
+            if not change.single
+            and change.verdict in ("better", "worse")
+            and key in (None, (change.case, change.window, change.method))
+        ]
 
 
 def versions(entries: Sequence[Entry], cases: Sequence[str] = (), *, margin: float = MARGIN) -> list[Version]:
@@ -74,8 +79,7 @@ def levels_figure(shown: Sequence[Version], case: str) -> Figure:
             ax.set_ylim(bottom=0)
             ax.set_xlim(-0.5, len(shown) - 0.5)
             ax.grid(alpha=0.25)
-            ax.set_xticks(range(len(shown)), [one.entry.label for one in shown],
-                          rotation=90 if len(shown) > 4 else 0)
+            ax.set_xticks(range(len(shown)), [one.entry.label for one in shown], rotation=90 if len(shown) > 4 else 0)
     for ax in axes[-1]:
         ax.set_xlabel("version")
     _legend(drawing, axes)
@@ -91,8 +95,9 @@ def _legend(drawing: Figure, axes: Any) -> None:
     drawing.legend(once.values(), once.keys(), loc="outside lower center", ncols=6, frameon=False)
 
 
-def _level(ax: Any, shown: Sequence[Version], key: tuple[str, str, str], band: tuple[float, float],
-           colour: str) -> None:
+def _level(
+    ax: Any, shown: Sequence[Version], key: tuple[str, str, str], band: tuple[float, float], colour: str
+) -> None:
     low, high = band
     name = f"{low:g} to {high:g}"
     rows: list[tuple[int, float, float, str]] = []
@@ -113,13 +118,20 @@ def _level(ax: Any, shown: Sequence[Version], key: tuple[str, str, str], band: t
         for change in one.steps(key):
             if change.band == name and n in heights:
                 worse = change.verdict == "worse"
-                ax.plot(n, heights[n], "^" if worse else "v", color="#b3261e" if worse else "#00695c", ms=9, zorder=5,
-                        label=change.verdict)
+                ax.plot(
+                    n,
+                    heights[n],
+                    "^" if worse else "v",
+                    color="#b3261e" if worse else "#00695c",
+                    ms=9,
+                    zorder=5,
+                    label=change.verdict,
+                )
 
 
 def curves_figure(shown: Sequence[Version], case: str) -> Figure:
     """Mean error against wavenumber of at most five versions; what is below the smaller resolution is grey."""
-    stepped = [one for one in shown[1:-1] if one.steps()][-(_MOST - 2):]
+    stepped = [one for one in shown[1:-1] if one.steps()][-(_MOST - 2) :]
     chosen = [one for one in shown if one in (shown[0], *stepped, shown[-1])]
     windows, methods = _grid(chosen, case)
     drawing, axes = figure(len(methods), len(windows), width=9.0, height=2.6, sharex=True)
@@ -128,10 +140,23 @@ def curves_figure(shown: Sequence[Version], case: str) -> Figure:
             ax = axes[row, column]
             for n, one in enumerate(chosen):
                 if (series := one.series.get((case, window, method))) is not None:
-                    ax.fill_between(series.wavenumbers, 1e-9, series.resolution, color="0.92", lw=0, zorder=0,
-                                    label="below the resolution")
-                    ax.plot(series.wavenumbers, series.bias, color=COLOURS[n], lw=2.6 - 0.45 * n,
-                            ls=("-", "--")[n % 2], label=one.entry.label)
+                    ax.fill_between(
+                        series.wavenumbers,
+                        1e-9,
+                        series.resolution,
+                        color="0.92",
+                        lw=0,
+                        zorder=0,
+                        label="below the resolution",
+                    )
+                    ax.plot(
+                        series.wavenumbers,
+                        series.bias,
+                        color=COLOURS[n],
+                        lw=2.6 - 0.45 * n,
+                        ls=("-", "--")[n % 2],
+                        label=one.entry.label,
+                    )
                     ax.set_ylim(np.nanmin(series.bias) / 2, max(np.nanmax(series.bias), series.resolution.max()) * 1.5)
             ax.set_yscale("log")
             ax.set_ylabel("mean error / $c_0$")
@@ -148,31 +173,55 @@ def page(history: History, shown: Sequence[Version], pictures: Sequence[Mapping[
     last = shown[-1]
     grade, kind = _GRADES[last.step.status if last.step else 3]
     return _PAGES.get_template("history.html").render(
-        target=last.entry.target, grade=grade, grade_class=kind, sentence=_sentence(last), faults=history.faults,
-        versions=[_row(one) for one in shown], path=history.path.name, version=__version__, timings=_timings(shown),
+        target=last.entry.target,
+        grade=grade,
+        grade_class=kind,
+        sentence=_sentence(last),
+        faults=history.faults,
+        versions=[_row(one) for one in shown],
+        path=history.path.name,
+        version=__version__,
+        timings=_timings(shown),
         steps=[{"label": one.entry.label, "change": change} for one in shown for change in one.steps()],
-        confidence=f"{100 * (1 - ALPHA):g} %", margin=f"{100 * MARGIN:g} %", pictures=pictures)
+        confidence=f"{100 * (1 - ALPHA):g} %",
+        margin=f"{100 * MARGIN:g} %",
+        pictures=pictures,
+    )
 
 
 def _sentence(last: Version) -> str:
     if last.step is None:
         return f"{last.entry.label} is the first version: nothing to compare it with."
     worse, compared = len(last.step.worse), len(last.step.changes)
-    return " ".join([f"{worse} of {compared} comparisons of {last.entry.label} with the version before it are worse "
-                     "beyond the margin.", *(f"{one}." for one in last.step.unlike)])
+    return " ".join(
+        [
+            f"{worse} of {compared} comparisons of {last.entry.label} with the version before it are worse "
+            "beyond the margin.",
+            *(f"{one}." for one in last.step.unlike),
+        ]
+    )
 
 
 def _row(one: Version) -> dict[str, Any]:
     record = one.entry.record
-    counts = [(verdict, sum(change.verdict == verdict for change in one.step.changes)) for verdict in VERDICTS
-              ] if one.step else []
+    counts = (
+        [(verdict, sum(change.verdict == verdict for change in one.step.changes)) for verdict in VERDICTS]
+        if one.step
+        else []
+    )
     said = ", ".join(f"{count} {verdict}" for verdict, count in counts if count)
     if one.step and one.step.unlike:
         said = ", ".join([*([said] if said else []), f"{len(one.step.unlike)} of other cases"])
     system = f"leakref {record['leakref']}, NumPy {record['numpy']}, SciPy {record['scipy']}, {record['platform']}"
     sizes = sorted({len(series.errors) for series in one.series.values()})
-    return {"label": one.entry.label, "recorded": record["recorded"][:10], "step": said, "system": system,
-            "source": record["source"]["sha256"][:8], "realizations": " or ".join(map(str, sizes))}
+    return {
+        "label": one.entry.label,
+        "recorded": record["recorded"][:10],
+        "step": said,
+        "system": system,
+        "source": record["source"]["sha256"][:8],
+        "realizations": " or ".join(map(str, sizes)),
+    }
 
 
 def _timings(shown: Sequence[Version]) -> dict[str, Any] | None:

@@ -28,17 +28,29 @@ def timings(benchmarks: Mapping[str, Any], yardstick: str) -> dict[str, Any]:
         medians = {name: float(own["median"]) for name, own in stats.items()}
         errors = {name: _error(own) for name, own in stats.items()}
     except (KeyError, TypeError, ValueError, ArithmeticError) as error:
-        raise LeakrefError("timings", f"this is no JSON of pytest-benchmark ({type(error).__name__}: {error})",
-                           "write one with `pytest --benchmark-only --benchmark-json FILE`") from None
+        raise LeakrefError(
+            "timings",
+            f"this is no JSON of pytest-benchmark ({type(error).__name__}: {error})",
+            "write one with `pytest --benchmark-only --benchmark-json FILE`",
+        ) from None
     found = [name for name in medians if yardstick in (name, name.rpartition("::")[2])]
     if len(found) != 1:
-        raise LeakrefError("timings", f"{len(found)} benchmarks are called {yardstick!r}",
-                           f"choose the yardstick among {', '.join(medians) or 'none'}")
+        raise LeakrefError(
+            "timings",
+            f"{len(found)} benchmarks are called {yardstick!r}",
+            f"choose the yardstick among {', '.join(medians) or 'none'}",
+        )
     positive("timings", **medians)
     unit, off = medians[found[0]], errors[found[0]]
-    return {"yardstick": found[0], "seconds": unit, "ratios": {
-        name: {"ratio": median / unit, "error": float(np.hypot(errors[name], off))}
-        for name, median in medians.items() if name != found[0]}}
+    return {
+        "yardstick": found[0],
+        "seconds": unit,
+        "ratios": {
+            name: {"ratio": median / unit, "error": float(np.hypot(errors[name], off))}
+            for name, median in medians.items()
+            if name != found[0]
+        },
+    }
 
 
 def _error(stats: Mapping[str, Any]) -> float:
@@ -64,6 +76,14 @@ def compare_timings(before: Mapping[str, Any] | None, after: Mapping[str, Any] |
         low, high = float(np.expm1(change - reach)), float(np.expm1(change + reach))
         words = {"worse": "slower", "better": "faster"}
         said = verdict(low, high, SLOWER)
-        rows.append({"name": name, "before": a["ratio"], "after": b["ratio"], "change": float(np.expm1(change)),
-                     "interval": [low, high], "verdict": words.get(said, said)})
+        rows.append(
+            {
+                "name": name,
+                "before": a["ratio"],
+                "after": b["ratio"],
+                "change": float(np.expm1(change)),
+                "interval": [low, high],
+                "verdict": words.get(said, said),
+            }
+        )
     return rows

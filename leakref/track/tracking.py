@@ -31,13 +31,25 @@ from leakref.certify.bias import SEAS
 from leakref.certify.checks.inputs import Cube
 from leakref.certify.subject.frames import GRAVITY, PEAK, Subject
 from leakref.certify.verdict import Unanswered, printable
-from leakref.methods import METHODS
-from leakref.decisions import DECISIONS
 from leakref.currents import UniformCurrent
+from leakref.decisions import DECISIONS
 from leakref.golden.digests import digest
+from leakref.methods import METHODS
 
-__all__ = ["COARSE", "PAPER", "UNIT", "Scene", "Series", "fields", "measure", "measure_reference", "scene",
-           "source_of", "source_of_program", "source_of_reference"]
+__all__ = [
+    "COARSE",
+    "PAPER",
+    "UNIT",
+    "Scene",
+    "Series",
+    "fields",
+    "measure",
+    "measure_reference",
+    "scene",
+    "source_of",
+    "source_of_program",
+    "source_of_reference",
+]
 
 UNIT = 1e-6
 """In c0: errors are kept as whole multiples of this. Rounding by it moves a mean over 100 by 3e-8 c0."""
@@ -65,12 +77,22 @@ class Scene:
     def digest(self) -> str:
         """SHA-256 of what is shown: grid, wavenumbers, truth, and the waves of realisations 0 and 1."""
         first, second = self.cube(0), self.cube(1)
-        waves = [[np.rint(getattr(cube.components, name) * 10.0**_DIGITS).astype("<i8").tobytes()
-                  for name in ("kx", "ky", "omega", "amplitude", "phase")] for cube in (first, second)]
+        waves = [
+            [
+                np.rint(getattr(cube.components, name) * 10.0**_DIGITS).astype("<i8").tobytes()
+                for name in ("kx", "ky", "omega", "amplitude", "phase")
+            ]
+            for cube in (first, second)
+        ]
         numbers = {"spacing": np.array(first.spacing), "wavenumbers": first.wavenumbers, "truth": first.truth}
-        return digest({"shape": list(first.grid.shape), "waves": [sha256(b"".join(own)).hexdigest() for own in waves],
-                       "shown_at": [PEAK, GRAVITY],
-                       **{name: (value.round(_DIGITS) + 0.0).tolist() for name, value in numbers.items()}})
+        return digest(
+            {
+                "shape": list(first.grid.shape),
+                "waves": [sha256(b"".join(own)).hexdigest() for own in waves],
+                "shown_at": [PEAK, GRAVITY],
+                **{name: (value.round(_DIGITS) + 0.0).tolist() for name, value in numbers.items()},
+            }
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,21 +135,42 @@ class Series:
     def record(self) -> dict[str, Any]:
         """As in a history: `errors` as rows of whole multiples of `unit`, null where there is no answer."""
         rows = [[None if e != e else round(e / UNIT) for e in row] for row in self.errors.tolist()]
-        return {"case": self.case, "case_sha256": self.digest, "window": self.window, "method": self.method,
-                "wavenumbers": _rounded(self.wavenumbers), "resolution": _rounded(self.resolution),
-                "bias": _rounded(self.bias), "random": _rounded(self.random), "count": self.count.tolist(),
-                "first": self.first, "unit": UNIT, "errors": rows}
+        return {
+            "case": self.case,
+            "case_sha256": self.digest,
+            "window": self.window,
+            "method": self.method,
+            "wavenumbers": _rounded(self.wavenumbers),
+            "resolution": _rounded(self.resolution),
+            "bias": _rounded(self.bias),
+            "random": _rounded(self.random),
+            "count": self.count.tolist(),
+            "first": self.first,
+            "unit": UNIT,
+            "errors": rows,
+        }
 
     @classmethod
     def read(cls, kept: Mapping[str, Any]) -> Series:
         """From a history. Raises Trouble if it is not what `record` gives."""
         try:
             errors = np.array(kept["errors"], dtype=np.float64).reshape(len(kept["errors"]), -1) * kept["unit"]
-            return cls(kept["case"], kept["case_sha256"], kept["window"], kept["method"], np.array(kept["wavenumbers"]),
-                       np.array(kept["resolution"]), kept["first"], errors)
+            return cls(
+                kept["case"],
+                kept["case_sha256"],
+                kept["window"],
+                kept["method"],
+                np.array(kept["wavenumbers"]),
+                np.array(kept["resolution"]),
+                kept["first"],
+                errors,
+            )
         except (KeyError, TypeError, ValueError, AttributeError) as error:
-            raise Trouble("track", f"an entry of the history is not whole ({type(error).__name__}: {error})",
-                          "put its line back from version control") from None
+            raise Trouble(
+                "track",
+                f"an entry of the history is not whole ({type(error).__name__}: {error})",
+                "put its line back from version control",
+            ) from None
 
 
 def _rounded(values: FloatArray) -> list[float | None]:
@@ -144,31 +187,45 @@ def scene(name: str) -> Scene:
         return Scene(name, _WINDOWS, SEAS[name].cube)
     found = configurations([name])
     if len(found) > 1:
-        raise LeakrefError("track", f"case {name!r} has {len(found)} configurations", f"name one, such as {found[0].id}"
-                           f", or a coarser sea: {', '.join(SEAS)}")
+        raise LeakrefError(
+            "track",
+            f"case {name!r} has {len(found)} configurations",
+            f"name one, such as {found[0].id}, or a coarser sea: {', '.join(SEAS)}",
+        )
     return Scene(found[0].id, found[0].windows, partial(_cube, found[0]))
 
 
 def _cube(configuration: Configuration, realization: int) -> Cube:
     x, y = configuration.current
-    return Cube(configuration.components(realization), configuration.grid, configuration.wavenumbers,
-                UniformCurrent((float(x), float(y))))
+    return Cube(
+        configuration.components(realization),
+        configuration.grid,
+        configuration.wavenumbers,
+        UniformCurrent((float(x), float(y))),
+    )
 
 
 # ------------------------------------------------------------ measuring
+
 
 def _by_reference(name: str, realization: int) -> FloatArray:
     """Errors (w, m, n) of the reference under the scene's windows and all methods."""
     shown = scene(name)
     cube = shown.cube(realization)
     with runs.one_thread():
-        found = fast.realize(cube.components, cube.grid, cube.wavenumbers, windows=shown.windows,
-                             methods=tuple(METHODS))
+        found = fast.realize(
+            cube.components, cube.grid, cube.wavenumbers, windows=shown.windows, methods=tuple(METHODS)
+        )
     return np.array([[np.hypot(*(found[w, m].velocities - cube.truth).T) for m in METHODS] for w in shown.windows])
 
 
-def measure_reference(scenes: Sequence[Scene], realizations: range, *, executor: Executor | None = None,
-                      after_each: Progress = lambda: None) -> list[Series]:
+def measure_reference(
+    scenes: Sequence[Scene],
+    realizations: range,
+    *,
+    executor: Executor | None = None,
+    after_each: Progress = lambda: None,
+) -> list[Series]:
     """The reference by its fast path; realisations are tasks for `executor` (default: this process)."""
     series = []
     for one in scenes:
@@ -178,13 +235,17 @@ def measure_reference(scenes: Sequence[Scene], realizations: range, *, executor:
             parts.append(part)
             after_each()
         errors = np.array(parts)
-        series += [_series(one, window, method, realizations.start, errors[:, w, m])
-                   for w, window in enumerate(one.windows) for m, method in enumerate(METHODS)]
+        series += [
+            _series(one, window, method, realizations.start, errors[:, w, m])
+            for w, window in enumerate(one.windows)
+            for m, method in enumerate(METHODS)
+        ]
     return series
 
 
-def measure(subject: Subject, scenes: Sequence[Scene], realizations: range, *,
-            after_each: Progress = lambda: None) -> tuple[list[Series], list[str]]:
+def measure(
+    subject: Subject, scenes: Sequence[Scene], realizations: range, *, after_each: Progress = lambda: None
+) -> tuple[list[Series], list[str]]:
     """Any implementation, under the windows and methods it offers: its series, and what it gave no answer for and why.
 
     Windows are those of the scene that it offers, or all its own if there is none among them. A realisation without an
@@ -194,8 +255,11 @@ def measure(subject: Subject, scenes: Sequence[Scene], realizations: range, *,
     series, said = [], []
     for one in scenes:
         windows = [name for name in one.windows if name in offered.windows] or list(offered.windows)
-        errors = {(w, m): np.full((len(realizations), one.cube(0).wavenumbers.size), np.nan)
-                  for w in windows for m in offered.methods}
+        errors = {
+            (w, m): np.full((len(realizations), one.cube(0).wavenumbers.size), np.nan)
+            for w in windows
+            for m in offered.methods
+        }
         silent: dict[tuple[str, str], list[str]] = {}
         for row, number in enumerate(realizations):
             cube = one.cube(number)
@@ -206,10 +270,16 @@ def measure(subject: Subject, scenes: Sequence[Scene], realizations: range, *,
                     silent.setdefault((window, method), []).append(nothing.message)
             after_each()
         subject.calls.clear()  # kept for diagnoses, of which there are none here
-        said += [f"{one.id}, {window}, {method}: no answer in {len(why)} of {len(realizations)} realisations; the "
-                 f"first time: {printable(why[0])}" for (window, method), why in silent.items()]
-        series += [_series(one, window, method, realizations.start, kept) for (window, method), kept in errors.items()
-                   if np.isfinite(kept).any()]
+        said += [
+            f"{one.id}, {window}, {method}: no answer in {len(why)} of {len(realizations)} realisations; the "
+            f"first time: {printable(why[0])}"
+            for (window, method), why in silent.items()
+        ]
+        series += [
+            _series(one, window, method, realizations.start, kept)
+            for (window, method), kept in errors.items()
+            if np.isfinite(kept).any()
+        ]
     return series, said
 
 
@@ -225,16 +295,37 @@ def _series(one: Scene, window: str, method: str, first: int, errors: FloatArray
 
 # ------------------------------------------------------------ what it was measured with
 
-def fields(label: str, target: str, said: Mapping[str, Any], source: Mapping[str, Any], series: Sequence[Series],
-           timings: Mapping[str, Any] | None = None) -> dict[str, Any]:
+
+def fields(
+    label: str,
+    target: str,
+    said: Mapping[str, Any],
+    source: Mapping[str, Any],
+    series: Sequence[Series],
+    timings: Mapping[str, Any] | None = None,
+) -> dict[str, Any]:
     """The fields of an entry (`history.append` adds digests). `said` is the target's name and version."""
-    system = {"platform": f"{platform.system()} {platform.machine()}", "python": platform.python_version(),
-              "numpy": np.__version__, "scipy": scipy.__version__, "leakref": __version__}
-    made: dict[str, Any] = plain({
-        "label": label, "target": target, "name": said["name"], "version": said["version"],
-        "recorded": datetime.now(UTC).isoformat(timespec="seconds"), **system, "source": dict(source),
-        "decisions": {one.id: one.reference for one in DECISIONS.values()},
-        "measurements": [one.record() for one in series], "timings": timings})
+    system = {
+        "platform": f"{platform.system()} {platform.machine()}",
+        "python": platform.python_version(),
+        "numpy": np.__version__,
+        "scipy": scipy.__version__,
+        "leakref": __version__,
+    }
+    made: dict[str, Any] = plain(
+        {
+            "label": label,
+            "target": target,
+            "name": said["name"],
+            "version": said["version"],
+            "recorded": datetime.now(UTC).isoformat(timespec="seconds"),
+            **system,
+            "source": dict(source),
+            "decisions": {one.id: one.reference for one in DECISIONS.values()},
+            "measurements": [one.record() for one in series],
+            "timings": timings,
+        }
+    )
     return made
 
 
@@ -252,8 +343,10 @@ def source_of(target: str, more: Sequence[Path] = ()) -> dict[str, Any]:
     if kind in ("reference", "fault", "variant"):
         own = _hashed(more)
         lists = "" if kind == "reference" else sources.digest(f"leakref.certify.{kind}s")
-        return {"sha256": digest([runs.source_digest(), lists, target, own["sha256"]]),
-                "of": f"{_REFERENCE}, {f'{kind}s, ' * bool(lists)}{own['of']}".removesuffix(", nothing")}
+        return {
+            "sha256": digest([runs.source_digest(), lists, target, own["sha256"]]),
+            "of": f"{_REFERENCE}, {f'{kind}s, ' * bool(lists)}{own['of']}".removesuffix(", nothing"),
+        }
     if str(Path.cwd()) not in sys.path:
         sys.path.insert(0, str(Path.cwd()))
     found = util.find_spec(kind.split(".")[0])
@@ -276,8 +369,12 @@ def _files(place: Path) -> list[Path]:
     """A file, or all in a folder but for what is hidden or made by Python."""
     if not place.is_dir():
         return [place]
-    return sorted(path for path in place.rglob("*") if path.is_file() and not any(
-        part.startswith(".") or part == "__pycache__" for part in path.relative_to(place).parts))
+    return sorted(
+        path
+        for path in place.rglob("*")
+        if path.is_file()
+        and not any(part.startswith(".") or part == "__pycache__" for part in path.relative_to(place).parts)
+    )
 
 
 def _hashed(places: Sequence[Path]) -> dict[str, Any]:
@@ -288,7 +385,11 @@ def _hashed(places: Sequence[Path]) -> dict[str, Any]:
             try:
                 kept.append((path.name, sha256(path.read_bytes()).hexdigest()))
             except OSError as error:
-                raise refusal("track", f"{path} cannot be read ({error.strerror})",
-                              "give files or folders of the source with --source", error) from None
+                raise refusal(
+                    "track",
+                    f"{path} cannot be read ({error.strerror})",
+                    "give files or folders of the source with --source",
+                    error,
+                ) from None
     names = ", ".join(name for name, _ in kept[:6]) + f" and {len(kept) - 6} more" * (len(kept) > 6)
     return {"sha256": digest(sorted(kept)), "of": names or "nothing"}

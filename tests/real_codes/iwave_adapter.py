@@ -29,11 +29,27 @@ PASSES = [2, 1]  # its default: half the spectrum first, then all of it
 def declaration(options: argparse.Namespace) -> dict[str, Any]:
     """What is true of it."""
     how = "waves only" if options.waves_only else "as it comes"
-    return {"op": "ready", "protocol": 1, "name": f"iwave ({how}, seas shrunk {options.shrink:g} times)",
-            "version": __version__, "format": "npz", "units": "si", "axes": "tyx", "y": "up", "direction": "to",
-            "fixed": ["wavenumbers", "dy", "gravity (9.81)", "depth (1000 m)", "profile (even)", "width (1 rad/s)",
-                      f"velocities (up to {options.fastest:g} m/s)"],
-            "can": {"extract": {"methods": ["fit"], "windows": [], "resolves": "band"}}}
+    return {
+        "op": "ready",
+        "protocol": 1,
+        "name": f"iwave ({how}, seas shrunk {options.shrink:g} times)",
+        "version": __version__,
+        "format": "npz",
+        "units": "si",
+        "axes": "tyx",
+        "y": "up",
+        "direction": "to",
+        "fixed": [
+            "wavenumbers",
+            "dy",
+            "gravity (9.81)",
+            "depth (1000 m)",
+            "profile (even)",
+            "width (1 rad/s)",
+            f"velocities (up to {options.fastest:g} m/s)",
+        ],
+        "can": {"extract": {"methods": ["fit"], "windows": [], "resolves": "band"}},
+    }
 
 
 def velocity(eta: np.ndarray, p: dict[str, Any], options: argparse.Namespace) -> list[float]:
@@ -42,15 +58,33 @@ def velocity(eta: np.ndarray, p: dict[str, Any], options: argparse.Namespace) ->
         raise ValueError("the pictures hold values that are not finite")
     pictures = eta[:, : eta.shape[1] // 2 * 2, : eta.shape[2] // 2 * 2]
     size, fps = p["dx"] / options.shrink, options.shrink**0.5 / p["dt"]
-    code = Iwave(size, window_size=pictures.shape[1:], time_size=len(pictures), fps=fps, smax=options.fastest,
-                 norm=None if options.waves_only else "time")
+    code = Iwave(
+        size,
+        window_size=pictures.shape[1:],
+        time_size=len(pictures),
+        fps=fps,
+        smax=options.fastest,
+        norm=None if options.waves_only else "time",
+    )
     code.imgs = pictures[:, ::-1]  # the first row of a picture is at its top
-    waves_only = {"penalty_weight": 0, "turbulence_switch": False} if options.waves_only else {
-        "penalty_weight": 1, "turbulence_switch": True}
+    waves_only = (
+        {"penalty_weight": 0, "turbulence_switch": False}
+        if options.waves_only
+        else {"penalty_weight": 1, "turbulence_switch": True}
+    )
     north, east, *_ = optimise.optimize_single_spectrum_velocity(
-        code.spectrum[0:1][0], [(-options.fastest, options.fastest)] * 2 + [(DEPTH, DEPTH)], vel_indx=1.0,
-        window_dims=code.spectrum_dims, res=size, fps=fps, gravity_waves_switch=True, pass_downsampling=PASSES,
-        gauss_width=1, kwargs={**OPTIM_KWARGS_SADE, "seed": 1}, **waves_only)
+        code.spectrum[0:1][0],
+        [(-options.fastest, options.fastest)] * 2 + [(DEPTH, DEPTH)],
+        vel_indx=1.0,
+        window_dims=code.spectrum_dims,
+        res=size,
+        fps=fps,
+        gravity_waves_switch=True,
+        pass_downsampling=PASSES,
+        gauss_width=1,
+        kwargs={**OPTIM_KWARGS_SADE, "seed": 1},
+        **waves_only,
+    )
     return [float(east) * options.shrink**0.5, float(north) * options.shrink**0.5]
 
 

@@ -6,9 +6,18 @@ import numpy as np
 
 from leakref._base import FloatArray
 from leakref.certify.checks import inputs
+from leakref.certify.checks.criteria import (
+    FRACTION,
+    IN_THE_MEAN,
+    NEVER,
+    ask,
+    each_method,
+    in_the_mean,
+    tapered,
+    vector,
+    verdict,
+)
 from leakref.certify.checks.inputs import SEA, Cube
-from leakref.certify.checks.criteria import (FRACTION, IN_THE_MEAN, NEVER, ask, each_method, in_the_mean, tapered,
-                                             vector, verdict)
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Unanswered, Verdict
@@ -18,21 +27,36 @@ from leakref.sea import SeaState
 
 __all__ = ["check_deterministic", "check_input", "check_order", "check_past_nyquist", "check_refuses", "check_sizes"]
 
-SIZES = {"odd": Grid((47, 45, 75), (0.66, 0.7, 0.84)), "prime": Grid((43, 47, 71), (0.7, 0.65, 0.87)),
-         "oblong": Grid((36, 60, 50), (0.8, 0.55, 1.1))}
+SIZES = {
+    "odd": Grid((47, 45, 75), (0.66, 0.7, 0.84)),
+    "prime": Grid((43, 47, 71), (0.7, 0.65, 0.87)),
+    "oblong": Grid((36, 60, 50), (0.8, 0.55, 1.1)),
+}
 ABSOLUTE = "There is none: it either is so or is not."
 
 
 def _sea(*wavenumbers: float, grid: Grid = SEA) -> Cube:
     """On a sheared current, so that every wavenumber has its own velocity."""
-    return inputs.sea(30.0, 150.0, ExponentialCurrent((0.1, 0.4), 0.4), realization=9, grid=grid,
-                     wavenumbers=wavenumbers or (1.2, 1.7, 2.5))
+    return inputs.sea(
+        30.0,
+        150.0,
+        ExponentialCurrent((0.1, 0.4), 0.4),
+        realization=9,
+        grid=grid,
+        wavenumbers=wavenumbers or (1.2, 1.7, 2.5),
+    )
 
 
 def _any_window(subject: Subject) -> str:
     """The window it is run under where that does not matter: one that tapers, if it has one."""
-    return next((name for name in ("hann", *subject.declaration.windows)
-                 if name in subject.declaration.windows and name != "box"), subject.declaration.windows[0])
+    return next(
+        (
+            name
+            for name in ("hann", *subject.declaration.windows)
+            if name in subject.declaration.windows and name != "box"
+        ),
+        subject.declaration.windows[0],
+    )
 
 
 @check("behaviour", "protocol", ABSOLUTE, [Case("all-stages")])
@@ -51,8 +75,9 @@ def check_input(subject: Subject, case: Case) -> Outcome:
         subject.synthesize(waves, *(np.arange(n) * 0.8 for n in (5, 4, 6)))
     done = list(dict.fromkeys(subject.violations))
     subject.violations.clear()
-    return Outcome(NEVER if done else 0.0, "; ".join(done) or "its input came back untouched",
-                   figures={"violations": done})
+    return Outcome(
+        NEVER if done else 0.0, "; ".join(done) or "its input came back untouched", figures={"violations": done}
+    )
 
 
 @check("behaviour", "protocol", ABSOLUTE, [Case("twice")])
@@ -69,17 +94,26 @@ def check_deterministic(subject: Subject, case: Case) -> Outcome:
         first, _, second = once(cube), once(other), once(cube)
         same = np.array_equal(first, second, equal_nan=True)
         off = float(np.nanmax(np.abs(first - second), initial=0.0))
-        return Outcome(0.0 if same else NEVER, "the same both times" if same else
-                       f"the second time, after another cube, it differs by up to {off:.2g} c0",
-                       figures={"difference": off})
+        return Outcome(
+            0.0 if same else NEVER,
+            "the same both times" if same else f"the second time, after another cube, it differs by up to {off:.2g} c0",
+            figures={"difference": off},
+        )
 
     return each_method(subject, judge)
 
 
-@check("behaviour", "app:numdetails", "A velocity in c0 may differ by a tenth of the smaller of the two velocity "
-       "resolutions: a search that starts from the answer before may end elsewhere in the last digits.", [
-           Case("shuffled", {"order": (1, 2, 0)}), Case("split", {"order": (0,)}),
-           Case("reversed", {"order": (2, 1, 0)}, quick=False)])
+@check(
+    "behaviour",
+    "app:numdetails",
+    "A velocity in c0 may differ by a tenth of the smaller of the two velocity "
+    "resolutions: a search that starts from the answer before may end elsewhere in the last digits.",
+    [
+        Case("shuffled", {"order": (1, 2, 0)}),
+        Case("split", {"order": (0,)}),
+        Case("reversed", {"order": (2, 1, 0)}, quick=False),
+    ],
+)
 def check_order(subject: Subject, case: Case) -> Outcome:
     """Each wavenumber has its own answer, in the order asked for: answers that come back sorted, or depend on those
     before, are given to the wrong wavenumber."""
@@ -108,8 +142,9 @@ def check_sizes(subject: Subject, case: Case) -> Outcome:
 def _refused(subject: Subject, cube: Cube, surface: FloatArray, method: str) -> tuple[bool, str]:
     """Whether it refused, by an error or by declining all, and in words what it did."""
     try:
-        answer = subject.extract(surface, cube.spacing, cube.wavenumbers, window=_any_window(subject), method=method,
-                                 raw=True)
+        answer = subject.extract(
+            surface, cube.spacing, cube.wavenumbers, window=_any_window(subject), method=method, raw=True
+        )
     except Unanswered as nothing:
         if nothing.verdict is not Verdict.ERROR:
             raise
@@ -121,9 +156,16 @@ def _refused(subject: Subject, cube: Cube, surface: FloatArray, method: str) -> 
     return False, f"answered {vector(given[0])}" if numbers else "answered NaN or infinity as if it were a number"
 
 
-@check("behaviour", "protocol", ABSOLUTE, [
-    Case("nan", {"value": np.nan}), Case("infinity", {"value": np.inf}),
-    Case("nan-frame", {"value": np.nan, "frame": True}, quick=False)])
+@check(
+    "behaviour",
+    "protocol",
+    ABSOLUTE,
+    [
+        Case("nan", {"value": np.nan}),
+        Case("infinity", {"value": np.inf}),
+        Case("nan-frame", {"value": np.nan, "frame": True}, quick=False),
+    ],
+)
 def check_refuses(subject: Subject, case: Case) -> Outcome:
     """A gap in the images is no wave: a cube that holds NaN or infinity must be refused, by an error or by null. A
     transform spreads one of them over all bins, and an optimiser then returns where it started."""
@@ -141,8 +183,9 @@ def check_refuses(subject: Subject, case: Case) -> Outcome:
     return each_method(subject, judge)
 
 
-@check("behaviour", "eq:g", ABSOLUTE + " A number there is reported and passes; NaN or infinity does not.",
-       [Case("past")])
+@check(
+    "behaviour", "eq:g", ABSOLUTE + " A number there is reported and passes; NaN or infinity does not.", [Case("past")]
+)
 def check_past_nyquist(subject: Subject, case: Case) -> Outcome:
     """Past the Nyquist wavenumber there is nothing to measure: an error or null says so, a number hides it."""
     if "wavenumbers" in subject.declaration.fixed or subject.declaration.band:
@@ -151,7 +194,10 @@ def check_past_nyquist(subject: Subject, case: Case) -> Outcome:
 
     def judge(method: str) -> Outcome:
         refused, told = _refused(subject, cube, cube.surface, method)
-        return Outcome(NEVER if "NaN" in told and not refused else 0.0, f"at 1.15 of the Nyquist wavenumber: {told}",
-                       figures={"refused": refused})
+        return Outcome(
+            NEVER if "NaN" in told and not refused else 0.0,
+            f"at 1.15 of the Nyquist wavenumber: {told}",
+            figures={"refused": refused},
+        )
 
     return each_method(subject, judge)

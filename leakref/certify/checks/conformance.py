@@ -10,14 +10,13 @@ import numpy as np
 
 from leakref._base import FloatArray
 from leakref.certify.checks import inputs
+from leakref.certify.checks.criteria import EXACT, as_array, as_good, expected, unflagged, verdict
 from leakref.certify.checks.inputs import Cube, polar
-from leakref.certify.checks.criteria import as_good, expected, unflagged
-from leakref.certify.checks.criteria import EXACT, as_array, verdict
 from leakref.certify.checks.registry import CHECKS, Case, Check, Outcome, check
 from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Unanswered, Verdict
-from leakref.dispersion import Scales
 from leakref.currents import UniformCurrent
+from leakref.dispersion import Scales
 from leakref.golden.sets import Entry, Golden, agreed_digits, locate
 from leakref.grid import Grid
 from leakref.sea import Components
@@ -27,11 +26,15 @@ __all__ = ["PRECISION", "check_extract", "check_sea", "check_spectrum", "check_s
 
 PRECISION = 1e-5
 """Of the largest value: a hundred times what single precision rounds, a thousandth of an error of one percent."""
-CLOSE = ("A value may be off by 1e-5 of the largest one: a hundred times the rounding of single precision, and a "
-         "thousandth of what a constant that is a percent off would do. The digits that agree are reported.")
-SCORED = ("A velocity may be off by 2e-4 c0, three times what optimisers with default tolerances were seen to miss by. "
-          "The NSP may instead have a score within a relative 1e-6 of the golden one's. The digits that agree are "
-          "reported, all of them where it is within the golden tolerance.")
+CLOSE = (
+    "A value may be off by 1e-5 of the largest one: a hundred times the rounding of single precision, and a "
+    "thousandth of what a constant that is a percent off would do. The digits that agree are reported."
+)
+SCORED = (
+    "A velocity may be off by 2e-4 c0, three times what optimisers with default tolerances were seen to miss by. "
+    "The NSP may instead have a score within a relative 1e-6 of the golden one's. The digits that agree are "
+    "reported, all of them where it is within the golden tolerance."
+)
 
 
 @cache
@@ -41,8 +44,9 @@ def _entries(stage: str, number: int) -> dict[str, Entry]:
 
 
 def _vectors(*stages: str, number: int = 1) -> list[Case]:
-    return [Case(identifier, {"stage": stage, "set": number}) for stage in stages
-            for identifier in _entries(stage, number)]
+    return [
+        Case(identifier, {"stage": stage, "set": number}) for stage in stages for identifier in _entries(stage, number)
+    ]
 
 
 def _entry(case: Case) -> Entry:
@@ -66,8 +70,13 @@ def _agreement(found: FloatArray, golden: FloatArray, allowed: FloatArray, what:
     worst = np.unravel_index(int(off.argmax()), off.shape)
     difference = float(off.max())
     digits = agreed_digits(0.0 if np.all(off <= allowed) else difference, scale)
-    return Outcome(difference / (PRECISION * scale), f"{what}{list(map(int, worst))} is {found[worst]:.10g}, should be "
-                   f"{golden[worst]:.10g}; {digits:g} digits agree", digits, {"difference": difference, **figures})
+    return Outcome(
+        difference / (PRECISION * scale),
+        f"{what}{list(map(int, worst))} is {found[worst]:.10g}, should be "
+        f"{golden[worst]:.10g}; {digits:g} digits agree",
+        digits,
+        {"difference": difference, **figures},
+    )
 
 
 @check("conformance", "eq:hann", CLOSE, _vectors("window"), stage="window")
@@ -86,16 +95,24 @@ def check_surface(subject: Subject, case: Case) -> Outcome:
     return _agreement(subject.synthesize(_waves(entry), x, y, t), entry.output["eta"], entry.tolerance("eta"), "eta")
 
 
-@check("conformance", "sec:leakage", CLOSE + " One common factor is fitted first, and a real S is taken for the "
-       "magnitude.", _vectors("spectrum", "transform"), stage="spectrum")
+@check(
+    "conformance",
+    "sec:leakage",
+    CLOSE + " One common factor is fitted first, and a real S is taken for the magnitude.",
+    _vectors("spectrum", "transform"),
+    stage="spectrum",
+)
 def check_spectrum(subject: Subject, case: Case) -> Outcome:
     """The spectrum of a surface: order and sign of all three axes, the window along each, waves beyond and near
     Nyquist, frequencies below zero."""
     entry = _entry(case)
     spacing = tuple(entry.input["spacing"])
     golden = entry.output["real"] + 1j * entry.output["imag"]
-    surface = np.asarray(entry.input["surface"], dtype=np.float64) if "surface" in entry.input else synthesize(
-        _waves(entry), *(Grid(tuple(entry.input["shape"]), spacing).samples(axis) for axis in range(3)))
+    surface = (
+        np.asarray(entry.input["surface"], dtype=np.float64)
+        if "surface" in entry.input
+        else synthesize(_waves(entry), *(Grid(tuple(entry.input["shape"]), spacing).samples(axis) for axis in range(3)))
+    )
     found = np.asarray(subject.spectrum(surface, spacing, entry.input["window"]))
     if not np.iscomplexobj(found):
         golden = np.abs(golden)
@@ -111,8 +128,9 @@ def _scored(cube: Cube, window: str, method: str, found: FloatArray, golden: Flo
     return as_good(np.hypot(*(found - golden).T) / EXACT, cube, window, method, found, golden)
 
 
-def _velocities(subject: Subject, cube: Cube, surface: FloatArray, window: str, method: str, golden: FloatArray,
-                allowed: FloatArray) -> Outcome:
+def _velocities(
+    subject: Subject, cube: Cube, surface: FloatArray, window: str, method: str, golden: FloatArray, allowed: FloatArray
+) -> Outcome:
     """Compare with `golden` (n, 2), NaN where there is no number; `allowed` (n, 1) is its tolerance."""
     found, there = as_array(subject, surface, cube.spacing, cube.wavenumbers, window, method)
     known = there & ~np.isnan(golden).any(axis=1)
@@ -138,8 +156,15 @@ def check_extract(subject: Subject, case: Case) -> Outcome:
     scaled = Components(waves.kx, waves.ky, waves.omega / scales.frequency, waves.amplitude, waves.phase)
     cube = Cube(scaled, grid, np.asarray(given["wavenumbers"]), UniformCurrent())
     surface = np.asarray(given["surface"]) if "surface" in given else cube.surface
-    return _velocities(subject, cube, surface, given["window"], given.get("method", entry.stage),
-                       entry.output["velocities"] / scales.velocity, entry.tolerance("velocities") / scales.velocity)
+    return _velocities(
+        subject,
+        cube,
+        surface,
+        given["window"],
+        given.get("method", entry.stage),
+        entry.output["velocities"] / scales.velocity,
+        entry.tolerance("velocities") / scales.velocity,
+    )
 
 
 SQUARE = Grid((42, 42, 66), (0.72, 0.72, 0.7))
@@ -149,22 +174,52 @@ def _sea(name: str) -> Cube:
     """Seas that the reference is asked about now: edge bins on a square domain, odd sizes, a strong current."""
     dk = SQUARE.wavenumber_resolution
     return {
-        "edges": lambda: inputs.sea(40.0, 120.0, UniformCurrent(polar(0.1, 10.0)), realization=21, grid=SQUARE,
-                                   wavenumbers=tuple(float(n * dk) for n in (5, 6, 8, 10, 13))),
-        "odd": lambda: inputs.sea(-110.0, 70.0, UniformCurrent(polar(0.15, 200.0)), realization=22,
-                                 grid=Grid((45, 39, 61), (0.66, 0.74, 0.83)), wavenumbers=(1.05, 1.3, 1.7, 2.2, 2.8)),
-        "narrow": lambda: inputs.sea(65.0, 25.0, UniformCurrent(polar(0.05, 90.0)), realization=23,
-                                    wavenumbers=(1.1, 1.4, 1.8, 2.3)),
-        "strong": lambda: inputs.sea(80.0, 180.0, UniformCurrent((-0.5, -0.5)), realization=24, grid=inputs.BRIEF,
-                                    wavenumbers=(1.3, 1.6, 1.9, 2.2, 2.5)),
+        "edges": lambda: inputs.sea(
+            40.0,
+            120.0,
+            UniformCurrent(polar(0.1, 10.0)),
+            realization=21,
+            grid=SQUARE,
+            wavenumbers=tuple(float(n * dk) for n in (5, 6, 8, 10, 13)),
+        ),
+        "odd": lambda: inputs.sea(
+            -110.0,
+            70.0,
+            UniformCurrent(polar(0.15, 200.0)),
+            realization=22,
+            grid=Grid((45, 39, 61), (0.66, 0.74, 0.83)),
+            wavenumbers=(1.05, 1.3, 1.7, 2.2, 2.8),
+        ),
+        "narrow": lambda: inputs.sea(
+            65.0, 25.0, UniformCurrent(polar(0.05, 90.0)), realization=23, wavenumbers=(1.1, 1.4, 1.8, 2.3)
+        ),
+        "strong": lambda: inputs.sea(
+            80.0,
+            180.0,
+            UniformCurrent((-0.5, -0.5)),
+            realization=24,
+            grid=inputs.BRIEF,
+            wavenumbers=(1.3, 1.6, 1.9, 2.2, 2.5),
+        ),
     }[name]()
 
 
-@check("conformance", "eq:normSp", SCORED.replace("golden one", "reference").replace("the golden tolerance", "1e-11 c0")
-       + " Wavenumbers at which the reference has something to note are left out.", [
-           Case(f"{name}-{window}-{method}", {"sea": name, "window": window, "method": method},
-                quick=name in ("edges", "strong"))
-           for name in ("edges", "odd", "narrow", "strong") for window in ("hann", "box") for method in ("nsp", "ls")])
+@check(
+    "conformance",
+    "eq:normSp",
+    SCORED.replace("golden one", "reference").replace("the golden tolerance", "1e-11 c0")
+    + " Wavenumbers at which the reference has something to note are left out.",
+    [
+        Case(
+            f"{name}-{window}-{method}",
+            {"sea": name, "window": window, "method": method},
+            quick=name in ("edges", "strong"),
+        )
+        for name in ("edges", "odd", "narrow", "strong")
+        for window in ("hann", "box")
+        for method in ("nsp", "ls")
+    ],
+)
 def check_sea(subject: Subject, case: Case) -> Outcome:
     """Whole seas against the reference: which bins belong to a shell, those on its edge too, how they are weighted,
     where the frequencies end, which width the Gaussian has, which bins pass the threshold."""

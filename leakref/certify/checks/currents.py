@@ -6,19 +6,31 @@ import numpy as np
 
 from leakref._base import FloatArray
 from leakref.certify.checks import inputs
+from leakref.certify.checks.criteria import (
+    EXACTLY,
+    TOLERANCE,
+    ask,
+    blind_to_backward_waves,
+    each_method,
+    exactly,
+    tapered,
+    tolerance,
+    unflagged,
+    untapered,
+    verdict,
+)
 from leakref.certify.checks.inputs import BRIEF, GRIDS
-from leakref.certify.checks.criteria import blind_to_backward_waves, unflagged
-from leakref.certify.checks.criteria import TOLERANCE, ask, untapered, each_method, exactly, tolerance, tapered, verdict
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.subject.frames import Subject
 from leakref.currents import UniformCurrent
-from leakref.certify.checks.criteria import EXACTLY
 
 __all__ = ["check_aligned", "check_backwards", "check_strong"]
 
-WITHIN = ("The error |c - U| in c0, the median over the wavenumbers at which the reference has nothing to note, may be "
-          f"as large as {TOLERANCE}. The reference stays below a third of the tolerance. It is the median because at "
-          "one of the wavenumbers the best score may be that of another velocity.")
+WITHIN = (
+    "The error |c - U| in c0, the median over the wavenumbers at which the reference has nothing to note, may be "
+    f"as large as {TOLERANCE}. The reference stays below a third of the tolerance. It is the median because at "
+    "one of the wavenumbers the best score may be that of another velocity."
+)
 FAST = (2.05, 2.06, 2.08, 2.1)
 """Where waves are swept backwards, and a search from zero current still finds it: above 2.15 some end in its mirror
 image."""
@@ -33,8 +45,13 @@ def _median(over: FloatArray) -> FloatArray:
 
 def _judged(subject: Subject, case: Case, without: tuple[str, ...] = ()) -> Outcome:
     given = case.given
-    cube = inputs.sea(given["direction"], given.get("spread", 180.0), UniformCurrent(given["current"]), grid=BRIEF,
-                     wavenumbers=given.get("wavenumbers", (1.3, 1.6, 1.9, 2.2)))
+    cube = inputs.sea(
+        given["direction"],
+        given.get("spread", 180.0),
+        UniformCurrent(given["current"]),
+        grid=BRIEF,
+        wavenumbers=given.get("wavenumbers", (1.3, 1.6, 1.9, 2.2)),
+    )
     window = tapered(subject)
 
     def judge(method: str) -> Outcome:
@@ -46,35 +63,57 @@ def _judged(subject: Subject, case: Case, without: tuple[str, ...] = ()) -> Outc
     return each_method(subject, judge, without)
 
 
-@check("currents", "eq:SnJ", WITHIN, [
-    Case("following", {"direction": 80.0, "current": (0.1, 0.6)}),
-    # above k = 2 it sweeps part of the waves backwards, and least squares takes omega >= 0 only (decision D19)
-    Case("crossing", {"direction": 80.0, "current": (0.7, -0.2), "backwards": True}),
-    Case("opposing", {"direction": 80.0, "current": (-0.1, -0.3)}),
-    Case("diagonal", {"direction": -35.0, "current": (0.45, -0.4)}, quick=False)])
+@check(
+    "currents",
+    "eq:SnJ",
+    WITHIN,
+    [
+        Case("following", {"direction": 80.0, "current": (0.1, 0.6)}),
+        # above k = 2 it sweeps part of the waves backwards, and least squares takes omega >= 0 only (decision D19)
+        Case("crossing", {"direction": 80.0, "current": (0.7, -0.2), "backwards": True}),
+        Case("opposing", {"direction": 80.0, "current": (-0.1, -0.3)}),
+        Case("diagonal", {"direction": -35.0, "current": (0.45, -0.4)}, quick=False),
+    ],
+)
 def check_strong(subject: Subject, case: Case) -> Outcome:
     """Currents near the phase speed of the waves: an optimiser that only looks around zero current, a range of
     frequencies cut off above the peak, or a first guess taken from the waves' own direction loses them."""
     return _judged(subject, case, blind_to_backward_waves() if case.given.get("backwards") else ())
 
 
-@check("currents", "eq:DSVkernel", WITHIN + " Least squares is left out: it takes omega >= 0 only (decision D19).", [
-    Case("opposing", {"direction": 80.0, "spread": 40.0, "current": (-0.1, -0.75),
-                      "wavenumbers": (1.2, 1.3, 1.4, 1.5, 1.65)}),
-    Case("broad", {"direction": 80.0, "current": (-0.1, -0.85), "wavenumbers": (1.2, 1.25, 1.3, 1.35)}, quick=False),
-    Case("oblique", {"direction": 80.0, "current": (-0.5, -0.5), "wavenumbers": FAST}),
-    Case("oblique-2", {"direction": -100.0, "current": (0.5, 0.5), "wavenumbers": FAST}, quick=False)])
+@check(
+    "currents",
+    "eq:DSVkernel",
+    WITHIN + " Least squares is left out: it takes omega >= 0 only (decision D19).",
+    [
+        Case(
+            "opposing",
+            {"direction": 80.0, "spread": 40.0, "current": (-0.1, -0.75), "wavenumbers": (1.2, 1.3, 1.4, 1.5, 1.65)},
+        ),
+        Case(
+            "broad", {"direction": 80.0, "current": (-0.1, -0.85), "wavenumbers": (1.2, 1.25, 1.3, 1.35)}, quick=False
+        ),
+        Case("oblique", {"direction": 80.0, "current": (-0.5, -0.5), "wavenumbers": FAST}),
+        Case("oblique-2", {"direction": -100.0, "current": (0.5, 0.5), "wavenumbers": FAST}, quick=False),
+    ],
+)
 def check_backwards(subject: Subject, case: Case) -> Outcome:
     """On an opposing current omega0 + k.U is negative for part of the waves: they are swept backwards, and without the
     second branch of G they are lost."""
     return _judged(subject, case, blind_to_backward_waves())
 
 
-@check("currents", "eq:normSp", EXACTLY, [
-           Case("following", {"grid": "even", "near": (0.1, 0.55)}),
-           Case("crossing", {"grid": "odd", "near": (0.4, -0.1)}),
-           Case("opposing", {"grid": "prime", "near": (-0.15, -0.3)}),
-           Case("following-2", {"grid": "prime", "near": (0.3, 0.3)}, quick=False)])
+@check(
+    "currents",
+    "eq:normSp",
+    EXACTLY,
+    [
+        Case("following", {"grid": "even", "near": (0.1, 0.55)}),
+        Case("crossing", {"grid": "odd", "near": (0.4, -0.1)}),
+        Case("opposing", {"grid": "prime", "near": (-0.15, -0.3)}),
+        Case("following-2", {"grid": "prime", "near": (0.3, 0.3)}, quick=False),
+    ],
+)
 def check_aligned(subject: Subject, case: Case) -> Outcome:
     """A strong current, known exactly by two waves on bins of an untapered cube, which do not leak: what is off here
     comes from the code alone."""

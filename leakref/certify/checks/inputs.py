@@ -15,14 +15,29 @@ from typing import Any
 import numpy as np
 
 from leakref._base import FloatArray
-from leakref.dispersion import DEEP, velocity_resolutions
 from leakref.currents import Current, UniformCurrent
+from leakref.dispersion import DEEP, velocity_resolutions
 from leakref.grid import Grid
 from leakref.sea import Components, SeaState, aligned_waves
 from leakref.synthesis import synthesize
 
-__all__ = ["BRIEF", "EVEN", "GRIDS", "ODD", "PRIME", "SEA", "SHELLS", "Cube", "pair", "polar", "sampled", "sampling",
-           "sea", "together", "waves"]
+__all__ = [
+    "BRIEF",
+    "EVEN",
+    "GRIDS",
+    "ODD",
+    "PRIME",
+    "SEA",
+    "SHELLS",
+    "Cube",
+    "pair",
+    "polar",
+    "sampled",
+    "sampling",
+    "sea",
+    "together",
+    "waves",
+]
 
 SEA = Grid((50, 44, 80), (0.63, 0.68, 0.78))
 """Five peak wavelengths by ten periods, a tenth of a wavelength and an eighth of a period apart."""
@@ -88,8 +103,10 @@ class Cube:
     @property
     def resolutions(self) -> FloatArray:
         """The smaller and the larger of the two of eq:dcdwk at each wavenumber, (2, n)."""
-        return np.sort(velocity_resolutions(self.wavenumbers, self.grid.wavenumber_resolution,
-                                            self.grid.frequency_resolution), axis=0)
+        return np.sort(
+            velocity_resolutions(self.wavenumbers, self.grid.wavenumber_resolution, self.grid.frequency_resolution),
+            axis=0,
+        )
 
 
 def polar(speed: float, direction: float) -> tuple[float, float]:
@@ -97,16 +114,31 @@ def polar(speed: float, direction: float) -> tuple[float, float]:
     return float(speed * np.cos(np.radians(direction))), float(speed * np.sin(np.radians(direction)))
 
 
-def sea(direction: float, spread: float, current: Current | None = None, *, realization: int = 0,
-        peakedness: float = 3.3, grid: Grid = SEA, wavenumbers: tuple[float, ...] = SHELLS) -> Cube:
+def sea(
+    direction: float,
+    spread: float,
+    current: Current | None = None,
+    *,
+    realization: int = 0,
+    peakedness: float = 3.3,
+    grid: Grid = SEA,
+    wavenumbers: tuple[float, ...] = SHELLS,
+) -> Cube:
     """A JONSWAP sea on a current."""
     below: Any = current or UniformCurrent()
     return _sea(direction, spread, below, realization, peakedness, sampling(grid), wavenumbers)
 
 
 @lru_cache(maxsize=64)
-def _sea(direction: float, spread: float, current: Any, realization: int, peakedness: float, grid: Grid,
-         wavenumbers: tuple[float, ...]) -> Cube:
+def _sea(
+    direction: float,
+    spread: float,
+    current: Any,
+    realization: int,
+    peakedness: float,
+    grid: Grid,
+    wavenumbers: tuple[float, ...],
+) -> Cube:
     state = SeaState(direction, spread, peakedness, float(min(grid.lengths[:2])) / (2 * np.pi), current)
     return Cube(state.components(realization), grid, np.array(wavenumbers), current)
 
@@ -128,19 +160,27 @@ def _pair(grid: Grid, first: tuple[int, int], second: tuple[int, int], near: tup
     return Cube(components, grid, np.array([size.mean()]), UniformCurrent((float(current[0]), float(current[1]))))
 
 
-def waves(grid: Grid, kx: FloatArray, ky: FloatArray, wavenumbers: tuple[float, ...], current: Current | None = None,
-          amplitude: FloatArray | float = 1.0) -> Cube:
+def waves(
+    grid: Grid,
+    kx: FloatArray,
+    ky: FloatArray,
+    wavenumbers: tuple[float, ...],
+    current: Current | None = None,
+    amplitude: FloatArray | float = 1.0,
+) -> Cube:
     """Waves at any wavenumbers (n,) on a current; phases scattered evenly."""
     current, grid = current or UniformCurrent(), sampling(grid)
     size = np.hypot(kx, ky)
     shift = current.doppler_shift_velocity(size)
     omega = DEEP.frequency(size) + kx * shift[:, 0] + ky * shift[:, 1]
     phase = 2 * np.pi * (np.arange(kx.size) * np.sqrt(5.0) % 1)
-    return Cube(Components(kx, ky, omega, np.broadcast_to(amplitude, kx.shape), phase), grid, np.array(wavenumbers),
-                current)
+    return Cube(
+        Components(kx, ky, omega, np.broadcast_to(amplitude, kx.shape), phase), grid, np.array(wavenumbers), current
+    )
 
 
 def together(*seas: Components) -> Components:
     """Waves of several seas in one."""
-    return Components(*(np.concatenate([getattr(waves, name) for waves in seas])
-                        for name in Components.__dataclass_fields__))
+    return Components(
+        *(np.concatenate([getattr(waves, name) for waves in seas]) for name in Components.__dataclass_fields__)
+    )

@@ -4,48 +4,75 @@ from __future__ import annotations
 
 import numpy as np
 
-from leakref.methods import METHODS
 from leakref._base import FloatArray
 from leakref.certify.checks import inputs
+from leakref.certify.checks.criteria import (
+    EXACTLY,
+    IN_THE_MEAN,
+    ask,
+    each_method,
+    exactly,
+    expected,
+    in_the_mean,
+    scored_method,
+    tapered,
+    unflagged,
+    untapered,
+    verdict,
+)
 from leakref.certify.checks.inputs import SEA, Cube, polar
-from leakref.certify.checks.criteria import expected, scored_method, unflagged
-from leakref.certify.checks.criteria import (IN_THE_MEAN, ask, untapered, each_method, exactly, in_the_mean, tapered,
-                                             verdict)
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.checks.statistics import excess, share
 from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Unanswered, Verdict
-from leakref.dispersion import DEEP
 from leakref.currents import UniformCurrent
+from leakref.dispersion import DEEP
 from leakref.grid import Grid
+from leakref.methods import METHODS
 from leakref.sea import Components
-from leakref.certify.checks.criteria import EXACTLY
 
 __all__ = ["MARGIN", "check_aligned", "check_bias", "check_flicker", "check_still", "check_swell"]
 
 MARGIN = 0.5
 """Of the mean smaller resolution: how much larger an error than the reference's may be in the mean."""
-WITHIN = IN_THE_MEAN + (" The reference stays below half of the tolerance if the cube is tapered, and is above it "
-                        "if not.")
+WITHIN = IN_THE_MEAN + (
+    " The reference stays below half of the tolerance if the cube is tapered, and is above it if not."
+)
 
 
-@check("leakage", "sec:leakage", WITHIN, [
-    Case("narrow", {"direction": 60.0, "spread": 15.0, "peakedness": 7.0, "realization": 4}),
-    Case("sharp", {"direction": 60.0, "spread": 20.0, "peakedness": 7.0, "realization": 0}),
-    Case("broad", {"direction": 75.0, "spread": 90.0, "peakedness": 3.3, "realization": 1}),
-    Case("medium", {"direction": 75.0, "spread": 45.0, "peakedness": 7.0, "realization": 5}, quick=False)])
+@check(
+    "leakage",
+    "sec:leakage",
+    WITHIN,
+    [
+        Case("narrow", {"direction": 60.0, "spread": 15.0, "peakedness": 7.0, "realization": 4}),
+        Case("sharp", {"direction": 60.0, "spread": 20.0, "peakedness": 7.0, "realization": 0}),
+        Case("broad", {"direction": 75.0, "spread": 90.0, "peakedness": 3.3, "realization": 1}),
+        Case("medium", {"direction": 75.0, "spread": 45.0, "peakedness": 7.0, "realization": 5}, quick=False),
+    ],
+)
 def check_still(subject: Subject, case: Case) -> Outcome:
     """In still water an untapered cube shows a current across a narrow sea, of the order of the phase speed of the
     waves: a window that is missing, or missing along one axis, is seen here."""
     given = case.given
-    cube = inputs.sea(given["direction"], given["spread"], None, realization=given["realization"],
-                     peakedness=given["peakedness"], wavenumbers=(1.1, 1.25, 1.5, 1.8, 2.15, 2.5))
+    cube = inputs.sea(
+        given["direction"],
+        given["spread"],
+        None,
+        realization=given["realization"],
+        peakedness=given["peakedness"],
+        wavenumbers=(1.1, 1.25, 1.5, 1.8, 2.15, 2.5),
+    )
     return each_method(subject, lambda method: in_the_mean(subject, cube, tapered(subject), method))
 
 
-@check("leakage", "sec:leakage", IN_THE_MEAN + " The reference stays below half of the tolerance if the cube is "
-       "tapered, and is several times above it if not.", [
-    Case("low", {"at": (2.5, 1.5, 3.5)}), Case("lower", {"at": (1.5, 0.5, 2.5)}, quick=False)])
+@check(
+    "leakage",
+    "sec:leakage",
+    IN_THE_MEAN + " The reference stays below half of the tolerance if the cube is "
+    "tapered, and is several times above it if not.",
+    [Case("low", {"at": (2.5, 1.5, 3.5)}), Case("lower", {"at": (1.5, 0.5, 2.5)}, quick=False)],
+)
 def check_swell(subject: Subject, case: Case) -> Outcome:
     """A strong swell half-way between bins, far below the waves that are looked at: tapered it is not seen there,
     untapered it is all there is."""
@@ -66,8 +93,9 @@ def check_flicker(subject: Subject, case: Case) -> Outcome:
     k, angle = 1.0 + 1.2 * (n * np.sqrt(2) % 1), 2 * np.pi * (n * np.sqrt(3) % 1)
     local = inputs.waves(SEA, k * np.cos(angle), k * np.sin(angle), (1.4, 1.6, 1.8), UniformCurrent((0.1, 0.05)))
     waves, strength = local.components, case.given.get("strength", 100.0)
-    texture = Components(waves.kx, waves.ky, np.full(n.size, 38.5 * SEA.frequency_resolution),
-                         np.full(n.size, strength), waves.phase)
+    texture = Components(
+        waves.kx, waves.ky, np.full(n.size, 38.5 * SEA.frequency_resolution), np.full(n.size, strength), waves.phase
+    )
     cube = Cube(inputs.together(waves, texture), local.grid, local.wavenumbers, local.current)
     return in_the_mean(subject, cube, tapered(subject), method)
 
@@ -91,33 +119,44 @@ def check_aligned(subject: Subject, case: Case) -> Outcome:
 
 def _means(errors: FloatArray) -> list[float | None]:
     """Over realisations (R, n) that have a number, for each wavenumber."""
-    return [float(column[there].mean()) if there.any() else None
-            for column, there in zip(errors.T, np.isfinite(errors.T), strict=True)]
+    return [
+        float(column[there].mean()) if there.any() else None
+        for column, there in zip(errors.T, np.isfinite(errors.T), strict=True)
+    ]
 
 
-@check("leakage", "sec:leakage", "The error |c - U| in c0 may exceed the reference's in the same sea, in the mean over "
-       "wavenumbers and seas, by half of the smaller of the two velocity resolutions; that of a method that the "
-       "reference does not have, or of one velocity for the whole band, by the larger. It fails if Student's t-test "
-       "finds it above that, at a rate of false alarms of 1e-3 for a whole run, divided among the tests of the run.", [
-           Case(f"{name}-{count}", {**given, "count": count}, quick=count == 6)
-           for name, given in (("broad", {"direction": 75.0, "spread": 60.0, "speed": 0.0}),
-                               ("narrow", {"direction": 60.0, "spread": 20.0, "speed": 0.0}),
-                               ("moving", {"direction": 30.0, "spread": 45.0, "speed": 0.1})) for count in (6, 20)])
+@check(
+    "leakage",
+    "sec:leakage",
+    "The error |c - U| in c0 may exceed the reference's in the same sea, in the mean over "
+    "wavenumbers and seas, by half of the smaller of the two velocity resolutions; that of a method that the "
+    "reference does not have, or of one velocity for the whole band, by the larger. It fails if Student's t-test "
+    "finds it above that, at a rate of false alarms of 1e-3 for a whole run, divided among the tests of the run.",
+    [
+        Case(f"{name}-{count}", {**given, "count": count}, quick=count == 6)
+        for name, given in (
+            ("broad", {"direction": 75.0, "spread": 60.0, "speed": 0.0}),
+            ("narrow", {"direction": 60.0, "spread": 20.0, "speed": 0.0}),
+            ("moving", {"direction": 30.0, "spread": 45.0, "speed": 0.1}),
+        )
+        for count in (6, 20)
+    ],
+)
 def check_bias(subject: Subject, case: Case) -> Outcome:
     """The bias from leakage, realisation by realisation beside the reference's: a code that is sound in one sea may be
     worse than need be in the mean of many."""
     given, window = case.given, tapered(subject)
     current = UniformCurrent(polar(given["speed"], given["direction"] + 70))
-    seas = [inputs.sea(given["direction"], given["spread"], current, realization=100 + n)
-            for n in range(given["count"])]
+    seas = [
+        inputs.sea(given["direction"], given["spread"], current, realization=100 + n) for n in range(given["count"])
+    ]
     resolutions = seas[0].resolutions.mean(axis=1)
 
     def judge(method: str) -> Outcome:
         pairs, bias = [], []
         for cube in seas:
             found, there = ask(subject, cube, window, method)
-            error, own = (np.hypot(*(c - cube.truth).T)
-                          for c in (found, expected(cube, window, method).velocities))
+            error, own = (np.hypot(*(c - cube.truth).T) for c in (found, expected(cube, window, method).velocities))
             bias.append(error)
             known = there & unflagged(cube, window, method)
             if known.any():
@@ -127,9 +166,17 @@ def check_bias(subject: Subject, case: Case) -> Outcome:
         other = method not in METHODS or subject.declaration.band
         margin = float(resolutions[1] if other else MARGIN * resolutions[0])
         test = excess(pairs, margin, share(len(subject.declaration.methods)))
-        return Outcome(test.over, f"|c - U| is {test.mean:+.3g} c0 beside the reference's in the mean of {len(pairs)} "
-                       f"seas, the limit is {test.limit:.3g}",
-                       figures={"wavenumbers": seas[0].wavenumbers.tolist(), "differences": pairs, "margin": margin,
-                                "bias": _means(np.array(bias)), "limit": test.limit})
+        return Outcome(
+            test.over,
+            f"|c - U| is {test.mean:+.3g} c0 beside the reference's in the mean of {len(pairs)} "
+            f"seas, the limit is {test.limit:.3g}",
+            figures={
+                "wavenumbers": seas[0].wavenumbers.tolist(),
+                "differences": pairs,
+                "margin": margin,
+                "bias": _means(np.array(bias)),
+                "limit": test.limit,
+            },
+        )
 
     return each_method(subject, judge)

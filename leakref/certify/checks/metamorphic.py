@@ -8,9 +8,8 @@ import numpy as np
 
 from leakref._base import FloatArray
 from leakref.certify.checks import inputs
+from leakref.certify.checks.criteria import FRACTION, as_array, each_method, tapered, unflagged, untapered, verdict
 from leakref.certify.checks.inputs import Cube, polar
-from leakref.certify.checks.criteria import unflagged
-from leakref.certify.checks.criteria import FRACTION, as_array, untapered, each_method, tapered, verdict
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.subject.frames import Subject
 from leakref.currents import UniformCurrent
@@ -20,9 +19,11 @@ __all__ = ["check_amplitude", "check_constant", "check_reversal", "check_shift",
 SAME, BACK = np.eye(2), -np.eye(2)
 MIRROR_X, MIRROR_Y = np.diag([-1.0, 1.0]), np.diag([1.0, -1.0])
 EXCHANGE, LEFT = np.array([[0.0, 1.0], [1.0, 0.0]]), np.array([[0.0, -1.0], [1.0, 0.0]])
-CLOSE = "A velocity in c0 may differ by a tenth of the smaller of the two velocity resolutions, at wavenumbers at " \
-        "which the reference has nothing to note. The relation is exact: the tenth is for optimisers that stop early " \
-        "and for single precision."
+CLOSE = (
+    "A velocity in c0 may differ by a tenth of the smaller of the two velocity resolutions, at wavenumbers at "
+    "which the reference has nothing to note. The relation is exact: the tenth is for optimisers that stop early "
+    "and for single precision."
+)
 WINDOWS = (("tapered", True), ("untapered", False))
 
 Change = Callable[[FloatArray, int], FloatArray]
@@ -71,9 +72,16 @@ def _related(subject: Subject, case: Case, change: Change, matrix: FloatArray, e
     return each_method(subject, judge)
 
 
-@check("metamorphic", "eq:normSp", CLOSE, [
-    Case(f"{name}-{window}", {"symmetry": name, "tapered": tapered}, quick=tapered or name == "quarter-turn")
-    for name in SYMMETRIES for window, tapered in WINDOWS])
+@check(
+    "metamorphic",
+    "eq:normSp",
+    CLOSE,
+    [
+        Case(f"{name}-{window}", {"symmetry": name, "tapered": tapered}, quick=tapered or name == "quarter-turn")
+        for name in SYMMETRIES
+        for window, tapered in WINDOWS
+    ],
+)
 def check_symmetry(subject: Subject, case: Case) -> Outcome:
     """A mirror image, a quarter turn, or x and y exchanged, of a surface has the current so changed: a quadrant left
     out, a window or a step of one axis used for another, half of the plane weighted otherwise all break it."""
@@ -88,9 +96,16 @@ def check_reversal(subject: Subject, case: Case) -> Outcome:
     return _related(subject, case, lambda eta, shift: _reverse(eta, 2, shift), BACK)
 
 
-@check("metamorphic", "eq:normSp", CLOSE, [
-    Case(f"{factor:g}-{window}", {"factor": factor, "tapered": tapered}, quick=tapered)
-    for factor in (1e6, 1e-6) for window, tapered in WINDOWS])
+@check(
+    "metamorphic",
+    "eq:normSp",
+    CLOSE,
+    [
+        Case(f"{factor:g}-{window}", {"factor": factor, "tapered": tapered}, quick=tapered)
+        for factor in (1e6, 1e-6)
+        for window, tapered in WINDOWS
+    ],
+)
 def check_amplitude(subject: Subject, case: Case) -> Outcome:
     """Images have grey values in any unit: a floor or a threshold in absolute numbers makes the current depend on
     it."""
@@ -104,8 +119,12 @@ def check_constant(subject: Subject, case: Case) -> Outcome:
     return _related(subject, case, lambda eta, _: eta + 10 * eta.std(), SAME)
 
 
-@check("metamorphic", "sec:leakage", CLOSE, [
-    Case("untapered"), Case("untapered-far", {"steps": (23, -17, 41)}, quick=False)])
+@check(
+    "metamorphic",
+    "sec:leakage",
+    CLOSE,
+    [Case("untapered"), Case("untapered-far", {"steps": (23, -17, 41)}, quick=False)],
+)
 def check_shift(subject: Subject, case: Case) -> Outcome:
     """An untapered cube has no edge: shifted cyclically along all axes it has the same power. Where this fails
     something else than the power gets into the answer, or a window is applied although none was asked for."""

@@ -5,25 +5,45 @@ from __future__ import annotations
 import numpy as np
 
 from leakref.certify.checks import inputs
+from leakref.certify.checks.criteria import (
+    EXACT,
+    EXACT_OR_SCORE,
+    EXACTLY,
+    IN_THE_MEAN,
+    ask,
+    each_method,
+    exactly,
+    in_the_mean,
+    scored_method,
+    tapered,
+    untapered,
+    vector,
+    verdict,
+)
 from leakref.certify.checks.inputs import GRIDS, polar
-from leakref.certify.checks.criteria import (EXACT, IN_THE_MEAN, ask, untapered, each_method, exactly, in_the_mean,
-                                              scored_method, tapered, vector, verdict)
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.subject.frames import Subject
-from leakref.dispersion import DEEP
 from leakref.currents import UniformCurrent
+from leakref.dispersion import DEEP
 from leakref.sea import aligned_waves
-from leakref.certify.checks.criteria import EXACTLY, EXACT_OR_SCORE
 
 __all__ = ["check_pair", "check_sea", "check_single", "check_two_shells"]
 
-PAIRS = [Case(f"{grid}-{n}", {"grid": grid, "bins": bins, "near": near}, quick=quick)
-         for grid, n, bins, near, quick in (
-    ("even", 1, ((5, 3), (-2, 5)), (0.21, -0.13), True), ("even", 2, ((6, -1), (4, 4)), (-0.1, 0.02), True),
-    ("odd", 1, ((-4, 4), (5, 2)), (0.05, 0.3), True), ("odd", 2, ((0, -6), (6, 0)), (-0.2, -0.15), True),
-    ("prime", 1, ((3, -5), (6, 1)), (0.0, 0.0), True), ("prime", 2, ((-6, -2), (-1, 6)), (0.15, 0.1), True),
-    ("even", 3, ((5, 3), (-2, 5)), (-0.3, -0.2), False), ("odd", 3, ((1, 6), (-5, 2)), (0.33, -0.02), False),
-    ("prime", 3, ((7, 0), (0, -6)), (-0.02, -0.3), False), ("prime", 4, ((4, 5), (7, -1)), (0.1, 0.25), False))]
+PAIRS = [
+    Case(f"{grid}-{n}", {"grid": grid, "bins": bins, "near": near}, quick=quick)
+    for grid, n, bins, near, quick in (
+        ("even", 1, ((5, 3), (-2, 5)), (0.21, -0.13), True),
+        ("even", 2, ((6, -1), (4, 4)), (-0.1, 0.02), True),
+        ("odd", 1, ((-4, 4), (5, 2)), (0.05, 0.3), True),
+        ("odd", 2, ((0, -6), (6, 0)), (-0.2, -0.15), True),
+        ("prime", 1, ((3, -5), (6, 1)), (0.0, 0.0), True),
+        ("prime", 2, ((-6, -2), (-1, 6)), (0.15, 0.1), True),
+        ("even", 3, ((5, 3), (-2, 5)), (-0.3, -0.2), False),
+        ("odd", 3, ((1, 6), (-5, 2)), (0.33, -0.02), False),
+        ("prime", 3, ((7, 0), (0, -6)), (-0.02, -0.3), False),
+        ("prime", 4, ((4, 5), (7, -1)), (0.1, 0.25), False),
+    )
+]
 
 
 @check("recovery", "eq:normSp", EXACTLY, PAIRS)
@@ -41,11 +61,17 @@ def check_pair(subject: Subject, case: Case) -> Outcome:
     return each_method(subject, judge)
 
 
-@check("recovery", "eq:SnJ", "The velocity along the wave may be off by 2e-4 c0, three times what optimisers with "
-       "default tolerances were seen to miss by.",
-       [Case("even", {"grid": "even", "bin": (5, 2), "shift": 2}),
+@check(
+    "recovery",
+    "eq:SnJ",
+    "The velocity along the wave may be off by 2e-4 c0, three times what optimisers with "
+    "default tolerances were seen to miss by.",
+    [
+        Case("even", {"grid": "even", "bin": (5, 2), "shift": 2}),
         Case("odd", {"grid": "odd", "bin": (-3, 5), "shift": -2}),
-        Case("prime", {"grid": "prime", "bin": (1, -6), "shift": 3}, quick=False)])
+        Case("prime", {"grid": "prime", "bin": (1, -6), "shift": 3}, quick=False),
+    ],
+)
 def check_single(subject: Subject, case: Case) -> Outcome:
     """One wave fixes the component of the current along it and no more: what is returned along it must be right."""
     method = scored_method(subject, "offers no NSP; other methods may decline where one wave is all there is")
@@ -57,22 +83,33 @@ def check_single(subject: Subject, case: Case) -> Outcome:
     cube = inputs.Cube(waves, grid, np.array([size]), UniformCurrent((float(current[0]), float(current[1]))))
     found, _ = ask(subject, cube, window, method)
     along, should = float(found[0] @ k) / size, float(current @ k) / size
-    return Outcome(abs(along - should) / EXACT, f"along the wave got {along:.6g}, should be {should:.6g} (its velocity "
-                   f"is {vector(found[0])})", figures={"along": along, "should_be": should})
+    return Outcome(
+        abs(along - should) / EXACT,
+        f"along the wave got {along:.6g}, should be {should:.6g} (its velocity is {vector(found[0])})",
+        figures={"along": along, "should_be": should},
+    )
 
 
-@check("recovery", "eq:g", EXACT_OR_SCORE + " A method that the reference does not have may be off by the smaller of "
-       "the two velocity resolutions. One velocity for the whole band may be anywhere between the two currents, or "
-       "outside by that resolution.",
-       [Case("even", {"grid": "even"}), Case("prime", {"grid": "prime"}, quick=False)])
+@check(
+    "recovery",
+    "eq:g",
+    EXACT_OR_SCORE + " A method that the reference does not have may be off by the smaller of "
+    "the two velocity resolutions. One velocity for the whole band may be anywhere between the two currents, or "
+    "outside by that resolution.",
+    [Case("even", {"grid": "even"}), Case("prime", {"grid": "prime"}, quick=False)],
+)
 def check_two_shells(subject: Subject, case: Case) -> Outcome:
     """Two pairs of waves, each with its own current, in shells that do not touch: a shell that is too wide, an answer
     at the wrong wavenumber or one answer for all mixes them up."""
     grid, window = GRIDS[case.given["grid"]], untapered(subject)
     low = inputs.pair(grid, (4, 1), (-2, 4), (0.2, -0.1))
     high = inputs.pair(grid, (9, -4), (5, 8), (-0.15, 0.1))
-    both = inputs.Cube(inputs.together(low.components, high.components), low.grid,
-                      np.concatenate([low.wavenumbers, high.wavenumbers]), UniformCurrent())
+    both = inputs.Cube(
+        inputs.together(low.components, high.components),
+        low.grid,
+        np.concatenate([low.wavenumbers, high.wavenumbers]),
+        UniformCurrent(),
+    )
     should = np.concatenate([low.truth, high.truth])
 
     def judge(method: str) -> Outcome:
@@ -86,10 +123,16 @@ def check_two_shells(subject: Subject, case: Case) -> Outcome:
     return each_method(subject, judge)
 
 
-@check("recovery", "eq:dcdwk", IN_THE_MEAN + " The reference stays below a third of the tolerance.",
-       [Case("broad", {"direction": 40.0, "spread": 180.0, "current": polar(0.2, 75.0)}),
+@check(
+    "recovery",
+    "eq:dcdwk",
+    IN_THE_MEAN + " The reference stays below a third of the tolerance.",
+    [
+        Case("broad", {"direction": 40.0, "spread": 180.0, "current": polar(0.2, 75.0)}),
         Case("all-round", {"direction": 0.0, "spread": 360.0, "current": polar(0.25, -160.0)}),
-        Case("broad-2", {"direction": -80.0, "spread": 120.0, "current": polar(0.15, 20.0)}, quick=False)])
+        Case("broad-2", {"direction": -80.0, "spread": 120.0, "current": polar(0.15, 20.0)}, quick=False),
+    ],
+)
 def check_sea(subject: Subject, case: Case) -> Outcome:
     """A broad sea, tapered, as in the field: whatever the algorithm, it is right within the resolution."""
     given = case.given

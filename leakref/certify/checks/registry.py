@@ -71,8 +71,14 @@ class Check:
     def __call__(self, subject: Subject, case: Case) -> Finding:
         """Run on one case: always a Finding, whatever the implementation does."""
         identifier = f"{self.id}[{case.id}]"
-        blank = Finding(identifier, self.family, Verdict.ERROR, "", label=self.label,
-                        repro=f"leakref certify TARGET --only '{identifier}' --keep FOLDER")
+        blank = Finding(
+            identifier,
+            self.family,
+            Verdict.ERROR,
+            "",
+            label=self.label,
+            repro=f"leakref certify TARGET --only '{identifier}' --keep FOLDER",
+        )
         subject.calls.clear()
         try:
             with inputs.sampled(square="dy" in subject.declaration.fixed):
@@ -81,17 +87,24 @@ class Check:
             return replace(blank, verdict=nothing.verdict, message=nothing.message, calls=tuple(subject.calls))
         over = outcome.over
         passed = over <= 1.0  # NaN does not pass
-        return replace(blank, verdict=Verdict.PASS if passed else Verdict.FAIL, message=outcome.message,
-                       digits=outcome.digits, over=float(over), figures=dict(outcome.figures),
-                       calls=() if passed else tuple(subject.calls))
+        return replace(
+            blank,
+            verdict=Verdict.PASS if passed else Verdict.FAIL,
+            message=outcome.message,
+            digits=outcome.digits,
+            over=float(over),
+            figures=dict(outcome.figures),
+            calls=() if passed else tuple(subject.calls),
+        )
 
 
 CHECKS: dict[str, Check] = {}
 """Every check by id, `family.name`."""
 
 
-def check(family: str, label: str, tolerance: str, cases: Iterable[Case], *,
-          stage: str = "extract") -> Callable[[CheckFunction], Check]:
+def check(
+    family: str, label: str, tolerance: str, cases: Iterable[Case], *, stage: str = "extract"
+) -> Callable[[CheckFunction], Check]:
     """Register `check_name(subject, case) -> Outcome` as the check `family.name`; its docstring is the reason.
 
     The function raises Unanswered where there is nothing to judge. `tolerance` says in whole sentences how much

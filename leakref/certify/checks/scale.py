@@ -5,10 +5,18 @@ from __future__ import annotations
 import numpy as np
 
 from leakref.certify.checks import inputs
+from leakref.certify.checks.criteria import (
+    FRACTION,
+    IN_THE_MEAN,
+    ask,
+    each_method,
+    in_the_mean,
+    tapered,
+    unflagged,
+    untapered,
+    verdict,
+)
 from leakref.certify.checks.inputs import BRIEF, SEA, polar
-from leakref.certify.checks.criteria import unflagged
-from leakref.certify.checks.criteria import (FRACTION, IN_THE_MEAN, ask, untapered, each_method, in_the_mean, tapered,
-                                             verdict)
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.subject.frames import Subject
 from leakref.currents import UniformCurrent
@@ -19,12 +27,23 @@ __all__ = ["check_duration", "check_peak"]
 LONG = Grid((40, 42, 144), (0.72, 0.7, 0.8))
 
 
-@check("scale", "sec:dimensions", "A velocity in c0 may differ by a tenth of the smaller of the two velocity "
-       "resolutions, at wavenumbers at which the reference has nothing to note. In scaled units the two seas are one "
-       "computation.", [
-           Case(name + ("" if tapered else "-untapered"), {"scale": scale, "tapered": tapered}, quick=quick)
-           for name, scale, quick in (("4", 4.0, True), ("sixteenth", 1 / 16, True), ("quarter", 0.25, False),
-                                      ("16", 16.0, False)) for tapered in (True, False)])
+@check(
+    "scale",
+    "sec:dimensions",
+    "A velocity in c0 may differ by a tenth of the smaller of the two velocity "
+    "resolutions, at wavenumbers at which the reference has nothing to note. In scaled units the two seas are one "
+    "computation.",
+    [
+        Case(name + ("" if tapered else "-untapered"), {"scale": scale, "tapered": tapered}, quick=quick)
+        for name, scale, quick in (
+            ("4", 4.0, True),
+            ("sixteenth", 1 / 16, True),
+            ("quarter", 0.25, False),
+            ("16", 16.0, False),
+        )
+        for tapered in (True, False)
+    ],
+)
 def check_peak(subject: Subject, case: Case) -> Outcome:
     """The same sea with waves four times shorter or sixteen times longer: a width in rad/s, a gravity, a search range
     or a threshold that was set for one sea state gives another current, and is as sure of it."""
@@ -33,8 +52,9 @@ def check_peak(subject: Subject, case: Case) -> Outcome:
 
     def judge(method: str) -> Outcome:
         found, there = ask(subject, cube, window, method)
-        other = subject.extract(cube.surface, cube.spacing, cube.wavenumbers, window=window, method=method,
-                                scale=case.given["scale"])
+        other = subject.extract(
+            cube.surface, cube.spacing, cube.wavenumbers, window=window, method=method, scale=case.given["scale"]
+        )
         over = np.hypot(*(other.values - found).T) / (FRACTION * cube.resolutions[0])
         known = there & unflagged(cube, window, method)
         return verdict(np.where(known, over, np.nan), cube, other.values, found)
@@ -42,11 +62,21 @@ def check_peak(subject: Subject, case: Case) -> Outcome:
     return each_method(subject, judge)
 
 
-@check("scale", "eq:DSVkernel", IN_THE_MEAN, [
-    Case("brief", {"grid": BRIEF}), Case("ten-periods", {"grid": SEA}, quick=False), Case("long", {"grid": LONG})])
+@check(
+    "scale",
+    "eq:DSVkernel",
+    IN_THE_MEAN,
+    [Case("brief", {"grid": BRIEF}), Case("ten-periods", {"grid": SEA}, quick=False), Case("long", {"grid": LONG})],
+)
 def check_duration(subject: Subject, case: Case) -> Outcome:
     """The same current seen for three, ten and eighteen periods: a width that does not follow the frequency bins is too
     narrow for the one or too wide for the other."""
-    cube = inputs.sea(70.0, 100.0, UniformCurrent(polar(0.3, 150.0)), realization=2, grid=case.given["grid"],
-                     wavenumbers=(1.3, 1.6, 2.0, 2.4))
+    cube = inputs.sea(
+        70.0,
+        100.0,
+        UniformCurrent(polar(0.3, 150.0)),
+        realization=2,
+        grid=case.given["grid"],
+        wavenumbers=(1.3, 1.6, 2.0, 2.4),
+    )
     return each_method(subject, lambda method: in_the_mean(subject, cube, tapered(subject), method))

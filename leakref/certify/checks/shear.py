@@ -7,9 +7,8 @@ import numpy.typing as npt
 
 from leakref._base import FloatArray
 from leakref.certify.checks import inputs
+from leakref.certify.checks.criteria import IN_THE_MEAN, ask, each_method, in_the_mean, tapered, unflagged, vector
 from leakref.certify.checks.inputs import Cube
-from leakref.certify.checks.criteria import unflagged
-from leakref.certify.checks.criteria import IN_THE_MEAN, ask, each_method, in_the_mean, tapered, vector
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Unanswered, Verdict
@@ -25,7 +24,8 @@ PROFILES: dict[str, tuple[ExponentialCurrent | LinearCurrent, float]] = {
     "exponential": (ExponentialCurrent((0.9, 0.4), 0.25), 60.0),
     "linear": (LinearCurrent((0.25, -0.15), (0.75, -0.4)), -20.0),
     "exponential-2": (ExponentialCurrent((-0.3, 1.0), 0.25), 150.0),
-    "linear-2": (LinearCurrent((0.2, 0.2), (0.6, 0.6)), 60.0)}
+    "linear-2": (LinearCurrent((0.2, 0.2), (0.6, 0.6)), 60.0),
+}
 """Currents (eq:SJ) and the direction of the waves on them."""
 CASES = [Case(name, quick=not name.endswith("2")) for name in PROFILES]
 
@@ -40,8 +40,13 @@ def _each_wavenumber(subject: Subject) -> None:
         raise Unanswered(Verdict.UNSUPPORTED, "gives one velocity for the whole band: see shear.band")
 
 
-@check("shear", "eq:SJ", IN_THE_MEAN + " The reference stays below half of the tolerance; a code that gives the same "
-       "velocity at all wavenumbers is a third above it.", CASES)
+@check(
+    "shear",
+    "eq:SJ",
+    IN_THE_MEAN + " The reference stays below half of the tolerance; a code that gives the same "
+    "velocity at all wavenumbers is a third above it.",
+    CASES,
+)
 def check_profile(subject: Subject, case: Case) -> Outcome:
     """Under a sheared current every wavenumber has a Doppler shift velocity of its own: a shell read at another
     wavenumber, or a current averaged over all of them, is off by more than the resolution at the ends."""
@@ -54,9 +59,13 @@ def _slope(cube: Cube, velocities: FloatArray, there: npt.NDArray[np.bool_]) -> 
     return np.polyfit(np.log(cube.wavenumbers[there]), velocities[there], 1)[0]
 
 
-@check("shear", "eq:SJ", "The change of the velocity with log k, in c0, may be off by six tenths of the true change: a "
-       "little more than half of the way to no change at all, and twice what the reference's least squares is off.",
-       CASES)
+@check(
+    "shear",
+    "eq:SJ",
+    "The change of the velocity with log k, in c0, may be off by six tenths of the true change: a "
+    "little more than half of the way to no change at all, and twice what the reference's least squares is off.",
+    CASES,
+)
 def check_slope(subject: Subject, case: Case) -> Outcome:
     """Shorter waves feel the current nearer to the surface: the change with wavenumber must have the right sign and
     about the right size, not that of a profile upside down, nor none."""
@@ -69,15 +78,22 @@ def check_slope(subject: Subject, case: Case) -> Outcome:
         if there.sum() < 3:
             raise Unanswered(Verdict.MISSING, f"answers {int(there.sum())} wavenumbers, three show a change")
         own, should = _slope(cube, found, there), _slope(cube, cube.truth, there)
-        return Outcome(float(np.hypot(*(own - should)) / (0.6 * np.hypot(*should))),
-                       f"with log k it changes by {vector(own)}, should be {vector(should)}",
-                       figures={"slope": own.tolist(), "should_be": should.tolist()})
+        return Outcome(
+            float(np.hypot(*(own - should)) / (0.6 * np.hypot(*should))),
+            f"with log k it changes by {vector(own)}, should be {vector(should)}",
+            figures={"slope": own.tolist(), "should_be": should.tolist()},
+        )
 
     return each_method(subject, judge)
 
 
-@check("shear", "eq:SJ", "Each component, in c0, may be outside the range of the true velocities by the smaller of the "
-       "two velocity resolutions.", CASES)
+@check(
+    "shear",
+    "eq:SJ",
+    "Each component, in c0, may be outside the range of the true velocities by the smaller of the "
+    "two velocity resolutions.",
+    CASES,
+)
 def check_band(subject: Subject, case: Case) -> Outcome:
     """One current for the whole band must lie within the range of those of its wavenumbers."""
     if not subject.declaration.band:
@@ -88,7 +104,10 @@ def check_band(subject: Subject, case: Case) -> Outcome:
         found, _ = ask(subject, cube, window, method)
         low, high = cube.truth.min(axis=0), cube.truth.max(axis=0)
         outside = float(np.maximum(np.maximum(low - found[0], found[0] - high), 0).max())
-        return Outcome(outside / float(cube.resolutions[0].mean()), f"{vector(found[0])}, should be between "
-                       f"{vector(low)} and {vector(high)}", figures={"velocity": found[0].tolist()})
+        return Outcome(
+            outside / float(cube.resolutions[0].mean()),
+            f"{vector(found[0])}, should be between {vector(low)} and {vector(high)}",
+            figures={"velocity": found[0].tolist()},
+        )
 
     return each_method(subject, judge)

@@ -6,8 +6,8 @@ import numpy as np
 
 from leakref._base import FloatArray
 from leakref.certify.checks import inputs
+from leakref.certify.checks.criteria import ask, each_method, tapered, untapered, vector
 from leakref.certify.checks.inputs import polar
-from leakref.certify.checks.criteria import ask, untapered, each_method, tapered, vector
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.subject.frames import Subject
 from leakref.currents import UniformCurrent
@@ -15,13 +15,21 @@ from leakref.currents import UniformCurrent
 __all__ = ["check_aligned", "check_sea", "image"]
 
 SPEED = 0.3
-IMAGES = {"negated": ((-1, 0), (0, -1)), "with x flipped": ((-1, 0), (0, 1)), "with y flipped": ((1, 0), (0, -1)),
-          "with x and y exchanged": ((0, 1), (1, 0)), "with x and y exchanged, and negated": ((0, -1), (-1, 0)),
-          "turned left by 90 degrees": ((0, -1), (1, 0)), "turned right by 90 degrees": ((0, 1), (-1, 0))}
+IMAGES = {
+    "negated": ((-1, 0), (0, -1)),
+    "with x flipped": ((-1, 0), (0, 1)),
+    "with y flipped": ((1, 0), (0, -1)),
+    "with x and y exchanged": ((0, 1), (1, 0)),
+    "with x and y exchanged, and negated": ((0, -1), (-1, 0)),
+    "turned left by 90 degrees": ((0, -1), (1, 0)),
+    "turned right by 90 degrees": ((0, 1), (-1, 0)),
+}
 """What slips of sign and order make of a velocity."""
 # 22.5 degrees off an axis: as far from its mirror image in that axis as from that in the diagonal
-CASES = [Case(f"to-{angle:g}", {"direction": angle}, quick=n % 2 == 0)
-         for n, angle in enumerate(np.arange(22.5, 360, 45).tolist())]
+CASES = [
+    Case(f"to-{angle:g}", {"direction": angle}, quick=n % 2 == 0)
+    for n, angle in enumerate(np.arange(22.5, 360, 45).tolist())
+]
 
 
 def image(found: FloatArray, should: FloatArray) -> str:
@@ -34,8 +42,11 @@ def image(found: FloatArray, should: FloatArray) -> str:
 def _told(over: float, found: FloatArray, should: FloatArray) -> Outcome:
     looks = image(found, should) if over > 1 else ""
     told = f"a current of {vector(should)} comes back {looks}, as" if looks else f"a current of {vector(should)} is"
-    return Outcome(over, f"{told} {vector(found)}", figures={"velocity": found.tolist(), "should_be": should.tolist(),
-                                                            "image": looks})
+    return Outcome(
+        over,
+        f"{told} {vector(found)}",
+        figures={"velocity": found.tolist(), "should_be": should.tolist(), "image": looks},
+    )
 
 
 def _ways(should: FloatArray) -> list[FloatArray]:
@@ -54,9 +65,14 @@ def _turned_away(found: FloatArray, should: FloatArray) -> Outcome:
     return _told(max(float((found - should) @ way / (way @ way)) for way in _ways(should)) / 0.4, found, should)
 
 
-@check("signs", "eq:SnJ", "The velocity, in c0, may go two fifths of the way from the true one to any that a slip of "
-       "sign or order would give. Correct codes of all kinds were seen to go half as far; a code that loses one "
-       "component goes half of the way.", CASES)
+@check(
+    "signs",
+    "eq:SnJ",
+    "The velocity, in c0, may go two fifths of the way from the true one to any that a slip of "
+    "sign or order would give. Correct codes of all kinds were seen to go half as far; a code that loses one "
+    "component goes half of the way.",
+    CASES,
+)
 def check_sea(subject: Subject, case: Case) -> Outcome:
     """A transform forward in time, rows counted downwards or columns taken for rows turn the current of a sea into
     another one of the same speed: negated, one component flipped, x and y exchanged."""
@@ -71,8 +87,13 @@ def check_sea(subject: Subject, case: Case) -> Outcome:
     return each_method(subject, judge)
 
 
-@check("signs", "eq:SnJ", "The error may be half of the way from the true velocity to the nearest that a slip of sign "
-       "or order would give: 0.08 c0 at least. The true velocity is known exactly.", CASES)
+@check(
+    "signs",
+    "eq:SnJ",
+    "The error may be half of the way from the true velocity to the nearest that a slip of sign "
+    "or order would give: 0.08 c0 at least. The true velocity is known exactly.",
+    CASES,
+)
 def check_aligned(subject: Subject, case: Case) -> Outcome:
     """Two waves on bins do not leak: a sign slip in the 2 x 2 solve, which a sea may hide in one component, shows here
     whatever the window does."""

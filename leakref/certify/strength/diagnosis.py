@@ -23,13 +23,13 @@ import numpy as np
 import numpy.typing as npt
 
 from leakref._base import FloatArray, LeakrefError
-from leakref.certify.strength import faults
 from leakref.certify.certificate import SOUND, Certificate
-from leakref.certify.runner import select
-from leakref.certify.subject.declaration import Declaration
-from leakref.certify.subject.inprocess import InProcess
 from leakref.certify.checks.registry import Case, Check
+from leakref.certify.runner import select
+from leakref.certify.strength import faults
+from leakref.certify.subject.declaration import Declaration
 from leakref.certify.subject.frames import Call
+from leakref.certify.subject.inprocess import InProcess
 from leakref.certify.verdict import WRONG, Finding, Verdict
 from leakref.methods import METHODS
 
@@ -86,8 +86,12 @@ class _Clue:
     @property
     def cost(self) -> float:
         """Of running it again: samples times wavenumbers."""
-        return float(sum(np.prod(call.asked.get("shape", (1,))) * np.size(call.asked.get("wavenumbers", 1))
-                         for call in self.finding.calls))
+        return float(
+            sum(
+                np.prod(call.asked.get("shape", (1,))) * np.size(call.asked.get("wavenumbers", 1))
+                for call in self.finding.calls
+            )
+        )
 
 
 def departure(findings: Iterable[Finding]) -> str:
@@ -109,23 +113,35 @@ def explain(certificate: Certificate, *, deep: bool = False, after_each: Step = 
     words = said.words + _frame(said, certificate.declaration)
     if not said.hypotheses and certificate.grade == SOUND:
         farthest = max(certificate.wrong, key=lambda f: f.over or 0.0)
-        words = ("another algorithm: it differs from the golden values as no fault of the list does, most in "
-                 f"{farthest.id}")
-    return replace(certificate, diagnosis=[one.record() for one in said.hypotheses], explanation=words,
-                   departs_at=departure(certificate.findings) if certificate.wrong else "")
+        words = (
+            f"another algorithm: it differs from the golden values as no fault of the list does, most in {farthest.id}"
+        )
+    return replace(
+        certificate,
+        diagnosis=[one.record() for one in said.hypotheses],
+        explanation=words,
+        departs_at=departure(certificate.findings) if certificate.wrong else "",
+    )
 
 
 def _frame(said: Diagnosis, declared: Mapping[str, Any]) -> str:
     """Whose x and y are meant, where that is not the same."""
-    other = [f"{name} {declared[name]}" for name, usual in (("axes", "xyt"), ("y", "up"), ("direction", "to"))
-             if declared[name] != usual]
+    other = [
+        f"{name} {declared[name]}"
+        for name, usual in (("axes", "xyt"), ("y", "up"), ("direction", "to"))
+        if declared[name] != usual
+    ]
     of_frame = any(one.fault in _MAPS or one.fault == "turned" for one in said.hypotheses)
-    return f" (as leakref has it: axes xyt, y up, direction to; declared are {', '.join(other)})" if (
-        other and of_frame) else ""
+    return (
+        f" (as leakref has it: axes xyt, y up, direction to; declared are {', '.join(other)})"
+        if (other and of_frame)
+        else ""
+    )
 
 
-def diagnose(findings: Sequence[Finding], declared: Mapping[str, Any], *, deep: bool = False,
-             after_each: Step = lambda: None) -> Diagnosis:
+def diagnose(
+    findings: Sequence[Finding], declared: Mapping[str, Any], *, deep: bool = False, after_each: Step = lambda: None
+) -> Diagnosis:
     """Explain the failures among `findings`; with `deep`, pairs of faults are tried as well. Nothing failed: no words.
 
     `declared` is what the implementation says of itself (`Declaration.record`): the reference with a fault is asked for
@@ -168,8 +184,10 @@ def _hypothesis(names: _Names, digits: float) -> Hypothesis:
 def _clues(findings: Sequence[Finding], declared: str) -> list[_Clue]:
     """What failed, from cheap to dear, each family once before any twice."""
     by_id = {f"{c.id}[{case.id}]": (c, case) for c, case in select()}
-    found = sorted((_Clue(*by_id[f.id], f, declared) for f in findings if f.verdict in WRONG and f.id in by_id),
-                   key=lambda clue: clue.cost)
+    found = sorted(
+        (_Clue(*by_id[f.id], f, declared) for f in findings if f.verdict in WRONG and f.id in by_id),
+        key=lambda clue: clue.cost,
+    )
     rank: dict[str, int] = {}
     order = []
     for clue in found:
@@ -240,13 +258,18 @@ def _implementation(names: _Names) -> Any:
 @lru_cache(maxsize=4096)
 def _replayed(identifier: str, names: _Names, declared: str) -> tuple[Finding, tuple[Call, ...]]:
     """What a check finds of the reference with faults, offering no more than is declared, and the answers it had."""
-    (check, case), = select([identifier])
+    ((check, case),) = select([identifier])
     subject = InProcess(_implementation(names))
     own, theirs = subject.declaration, Declaration(**loads(declared))
-    asked = {"methods": [m for m in theirs.methods if m in METHODS] or list(METHODS)[:1],
-             "windows": list(theirs.windows) if theirs.tapers else []}
-    subject.declaration = replace(own, fixed=("dy",) if "dy" in theirs.fixed else (),  # the same pixels
-                                  can={**own.can, "extract": {**own.can["extract"], **asked}})
+    asked = {
+        "methods": [m for m in theirs.methods if m in METHODS] or list(METHODS)[:1],
+        "windows": list(theirs.windows) if theirs.tapers else [],
+    }
+    subject.declaration = replace(
+        own,
+        fixed=("dy",) if "dy" in theirs.fixed else (),  # the same pixels
+        can={**own.can, "extract": {**own.can["extract"], **asked}},
+    )
     finding = check(subject, case)
     return replace(finding, calls=()), tuple(subject.calls)
 
@@ -306,7 +329,8 @@ _MAPS: dict[str, tuple[str, list[list[float]]]] = {
     "quarter-turn-back": ("turned back by a quarter turn", [[0, 1], [-1, 0]]),
     "exchanged-and-negated": ("with x and y exchanged, and negated", [[0, -1], [-1, 0]]),
     "lost-x": ("without an x component", [[0, 0], [0, 1]]),
-    "lost-y": ("without a y component", [[1, 0], [0, 0]])}
+    "lost-y": ("without a y component", [[1, 0], [0, 0]]),
+}
 _NEAR = 0.35  # part of the velocities that may be left over
 _BETTER = 0.7  # how much less a turn by any angle must leave over than the best of the maps above
 _FACTOR = 0.15  # that a factor may differ from one
@@ -331,8 +355,13 @@ def _in_common(clues: Sequence[_Clue]) -> Hypothesis | None:
     if max(each.values()) - min(each.values()) > _FACTOR * factor:
         rest = _left_over(mine, mapped * np.array([each[scale] for scale in scales])[:, None])
         said = ", ".join(f"{value:.2f} at {scale:g}" for scale, value in each.items())
-        name, words = "scale-dependent", (f"{words} and times a factor that depends on the scale of the sea: {said} "
-                                          "times the usual peak wavenumber").removeprefix(" and ")
+        name, words = (
+            "scale-dependent",
+            (
+                f"{words} and times a factor that depends on the scale of the sea: {said} "
+                "times the usual peak wavenumber"
+            ).removeprefix(" and "),
+        )
     elif abs(factor - 1) >= min(_FACTOR, 1e-3 + 3 * rest):
         name, words = name or "factor", f"{words} and times {factor:.3g}".removeprefix(" and ")
     if rest > _NEAR or not name:

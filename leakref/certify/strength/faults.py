@@ -404,7 +404,7 @@ _BEHAVIOUR = (
           (_answer("np.round(FOUND, 1)"),)),
 )
 
-_KILLINGES = {
+_KILLING_INPUTS = {
     "recovery.pair[even-1]":
         "negated-current flipped-x flipped-y exchanged-axes quarter-turn rows-downwards reversed-time exchanged-cube "
         "absolute-value no-cross-component exchanged-spacing square-pixels hertz-for-radians cycles-for-radians "
@@ -452,9 +452,9 @@ _KILLINGES = {
     "behaviour.order[reversed]": "first-wavenumber-dropped",
 }
 """Findings, and the faults that each is the killing input of."""
-_KILLING = {name: finding for finding, names in _KILLINGES.items() for name in names.split()}
+_KILLING_BY = {name: finding for finding, names in _KILLING_INPUTS.items() for name in names.split()}
 
-FAULTS: dict[str, Fault] = {fault.id: replace(fault, killing_input=_KILLING.get(fault.id, "")) for fault in (
+FAULTS: dict[str, Fault] = {fault.id: replace(fault, killing_input=_KILLING_BY.get(fault.id, "")) for fault in (
     *_FRAME, *_UNITS, *_SYNTHESIS, *_WINDOW, *_SPECTRUM, *_SHELL, *_NSP, *_LS, *_BEHAVIOUR)}
 """Every fault by id, stage by stage."""
 

@@ -50,6 +50,7 @@ def implementation(identifier: str) -> Any:
 
 # ---------------------------------------------------------------- the reference behind something else
 
+
 class _Permuted(Reference):
     """The reference for cubes whose axes come in another order."""
 
@@ -116,8 +117,9 @@ class _Fixed(Reference):
     def describe(self) -> Mapping[str, object]:
         return {**super().describe(), "fixed": ["wavenumbers"]}
 
-    def extract(self, surface: FloatArray, spacing: tuple[float, float, float], wavenumbers: FloatArray,
-                **settings: Any) -> Any:
+    def extract(
+        self, surface: FloatArray, spacing: tuple[float, float, float], wavenumbers: FloatArray, **settings: Any
+    ) -> Any:
         (nx, ny, _), (dx, dy, _) = surface.shape, spacing
         dk = 2 * np.pi / min(nx * dx, ny * dy)
         own = dk * np.arange(3, int(np.pi / max(dx, dy) / dk) - 2)
@@ -129,18 +131,28 @@ class _Fixed(Reference):
 class _Declining(Reference):
     """Returns nothing for a wavenumber that it does not trust, unless it is the only one."""
 
-    def extract(self, surface: FloatArray, spacing: tuple[float, float, float], wavenumbers: FloatArray,
-                *, gravity: float = 1.0, window: str = "hann", method: str = "nsp") -> Any:
+    def extract(
+        self,
+        surface: FloatArray,
+        spacing: tuple[float, float, float],
+        wavenumbers: FloatArray,
+        *,
+        gravity: float = 1.0,
+        window: str = "hann",
+        method: str = "nsp",
+    ) -> Any:
         from leakref.chain import extract
 
         found = extract(surface, spacing, wavenumbers, gravity=gravity, window=window, method=method)
-        bad = np.array([bool(note & (Note.ANOTHER_BASIN | Note.LEAKAGE_FLOOR | Note.UNCONVERGED))
-                        for note in found.notes]) & (len(found.notes) > 1)
+        bad = np.array(
+            [bool(note & (Note.ANOTHER_BASIN | Note.LEAKAGE_FLOOR | Note.UNCONVERGED)) for note in found.notes]
+        ) & (len(found.notes) > 1)
         bad |= np.isnan(found.velocities).any(axis=1)
         return [None if nothing else row.tolist() for nothing, row in zip(bad, found.velocities, strict=True)]
 
 
 # ---------------------------------------------------------------- written a second time
+
 
 def _simplex(score: Score, unit: float, tolerance: float = 1e-9) -> FloatArray:
     """Nelder-Mead from rest; `fminsearch` stops at a tolerance of 1e-4 in both the point and the value."""
@@ -171,24 +183,44 @@ def _lattice(score: Score, unit: float) -> FloatArray:
 def _powell(score: Score, unit: float) -> FloatArray:
     """Powell's method from the best point of a lattice: from rest its line searches jump into other basins."""
     start = _highest(score, unit)
-    fit = minimize(lambda c: -score(c * unit), start, method="Powell", bounds=[(x - 0.1, x + 0.1) for x in start],
-                   options={"xtol": 1e-6, "ftol": 1e-14})
+    fit = minimize(
+        lambda c: -score(c * unit),
+        start,
+        method="Powell",
+        bounds=[(x - 0.1, x + 0.1) for x in start],
+        options={"xtol": 1e-6, "ftol": 1e-14},
+    )
     return unit * fit.x
 
 
 class _Own:
     """The normalized scalar product and least squares over the whole space, written from the paper a second time."""
 
-    def __init__(self, optimiser: Callable[[Score, float], FloatArray] = _simplex, *, transform: Any = scipy.fft.fftn,
-                 half: bool = False, real: type[np.floating[Any]] = np.float64, tapers: bool = True) -> None:
+    def __init__(
+        self,
+        optimiser: Callable[[Score, float], FloatArray] = _simplex,
+        *,
+        transform: Any = scipy.fft.fftn,
+        half: bool = False,
+        real: type[np.floating[Any]] = np.float64,
+        tapers: bool = True,
+    ) -> None:
         self.optimiser, self.transform, self.half, self.real, self.tapers = optimiser, transform, half, real, tapers
 
     def describe(self) -> Mapping[str, object]:
         windows = ["box", "hann"] if self.tapers else []
         return {"can": {"extract": {"methods": ["nsp", "ls"], "windows": windows}}}
 
-    def extract(self, surface: FloatArray, spacing: Sequence[float], wavenumbers: Sequence[float], *,
-                gravity: float, window: str, method: str) -> FloatArray:
+    def extract(
+        self,
+        surface: FloatArray,
+        spacing: Sequence[float],
+        wavenumbers: Sequence[float],
+        *,
+        gravity: float,
+        window: str,
+        method: str,
+    ) -> FloatArray:
         """Velocities, (n, 2)."""
         if not np.isfinite(surface).all():
             raise ValueError("the surface is not finite")
@@ -196,8 +228,10 @@ class _Own:
         dk = max(2 * np.pi / (n * d) for n, d in zip(surface.shape[:2], spacing, strict=False))
         domega = 2 * np.pi / (surface.shape[2] * spacing[2])
         way = self._least_squares if method == "ls" else self._overlap
-        return np.array([way(_shell(space, k, dk), gravity, 4 * domega, float(np.sqrt(gravity / k)))
-                         for k in wavenumbers], dtype=np.float64)
+        return np.array(
+            [way(_shell(space, k, dk), gravity, 4 * domega, float(np.sqrt(gravity / k))) for k in wavenumbers],
+            dtype=np.float64,
+        )
 
     def _space(self, eta: FloatArray, spacing: Sequence[float], window: str) -> Bins:
         """A forward transform along all axes puts a wave at (k, -omega): so omega is minus its frequency."""
@@ -280,8 +314,16 @@ class _Band(_Own):
     def describe(self) -> Mapping[str, object]:
         return {"can": {"extract": {"methods": ["dispersion-fit"], "windows": ["box", "hann"], "resolves": "band"}}}
 
-    def extract(self, surface: FloatArray, spacing: Sequence[float], wavenumbers: Sequence[float], *,
-                gravity: float, window: str, method: str) -> FloatArray:
+    def extract(
+        self,
+        surface: FloatArray,
+        spacing: Sequence[float],
+        wavenumbers: Sequence[float],
+        *,
+        gravity: float,
+        window: str,
+        method: str,
+    ) -> FloatArray:
         """The current, (1, 2): the bins are weighted by their power, and those off the surface left out in turn."""
         if not np.isfinite(surface).all():
             raise ValueError("the surface is not finite")

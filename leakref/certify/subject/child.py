@@ -62,8 +62,12 @@ class Child:
             self._popen = (self._guarded if sys.platform == "linux" else self._started)(command, folder)
         except (OSError, ValueError) as error:
             reason = getattr(error, "strerror", None) or str(error)
-            raise refusal("certify", f"{printable(command[0])!r} cannot be started ({reason})",
-                          "give the program and its arguments as in a shell, with a path if need be", error) from None
+            raise refusal(
+                "certify",
+                f"{printable(command[0])!r} cannot be started ({reason})",
+                "give the program and its arguments as in a shell, with a path if need be",
+                error,
+            ) from None
         self._process = psutil.Process(self._popen.pid)
         self._guardians |= {self._process} if self._control else set()
         self._seen = {self._process}
@@ -73,16 +77,30 @@ class Child:
         self._noise: deque[str] = deque(maxlen=20)
         self._unreadable = ""
         self._errors = b""
-        self._threads = [threading.Thread(target=work, args=(stream,), daemon=True) for work, stream in
-                         ((self._read_lines, self._popen.stdout), (self._read_errors, self._popen.stderr))]
+        self._threads = [
+            threading.Thread(target=work, args=(stream,), daemon=True)
+            for work, stream in ((self._read_lines, self._popen.stdout), (self._read_errors, self._popen.stderr))
+        ]
         for thread in self._threads:
             thread.start()
 
     def _started(self, command: Sequence[str], folder: Path | None, **how: Any) -> subprocess.Popen[bytes]:
-        group: dict[str, Any] = ({"start_new_session": True} if os.name == "posix" else
-                                 {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP})  # type: ignore[attr-defined]
-        return subprocess.Popen(list(command), stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                                bufsize=0, cwd=folder, env={**os.environ, _MARK: self._mark}, **group, **how)
+        group: dict[str, Any] = (
+            {"start_new_session": True}
+            if os.name == "posix"
+            else {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}  # type: ignore[attr-defined]
+        )
+        return subprocess.Popen(
+            list(command),
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            bufsize=0,
+            cwd=folder,
+            env={**os.environ, _MARK: self._mark},
+            **group,
+            **how,
+        )
 
     def _guarded(self, command: Sequence[str], folder: Path | None) -> subprocess.Popen[bytes]:
         """Likewise, by a guardian. It lives as long as the socket to it is open here, and no other process has it."""
@@ -92,8 +110,9 @@ class Child:
         self._control, theirs = socket.socketpair()
         with theirs:
             number = theirs.fileno()
-            popen = self._started([sys.executable, "-I", "-S", guardian.__file__, str(number)], folder,
-                                  pass_fds=(number,))
+            popen = self._started(
+                [sys.executable, "-I", "-S", guardian.__file__, str(number)], folder, pass_fds=(number,)
+            )
         said = b"\0".join([os.fsencode(self._belongings), *words])
         try:
             self._control.settimeout(_PATIENCE)
@@ -130,8 +149,10 @@ class Child:
                     raise Breach(Verdict.ERROR, self._farewell())
                 if (held := self._held()) > limit:
                     is_, allowed = _told_apart(held, limit)
-                    raise Breach(Verdict.ERROR, f"held {is_} MiB of memory with its offspring, more than the {allowed} "
-                                                "MiB allowed")
+                    raise Breach(
+                        Verdict.ERROR,
+                        f"held {is_} MiB of memory with its offspring, more than the {allowed} MiB allowed",
+                    )
         message = self._waiting.popleft()
         if isinstance(message, Breach):
             raise message
@@ -238,8 +259,9 @@ class Child:
         for number in psutil.pids():
             with suppress(psutil.Error, OSError):
                 process = psutil.Process(number)
-                if ((os.name == "posix" and os.getsid(number) == self._popen.pid)
-                        or process.environ().get(_MARK) == self._mark):
+                if (os.name == "posix" and os.getsid(number) == self._popen.pid) or process.environ().get(
+                    _MARK
+                ) == self._mark:
                     found.add(process)
         return [process for process in found if _runs(process)]
 
@@ -327,8 +349,12 @@ def _deep(message: Any) -> bool:
     """Whether lists and objects are within each other more often than whoever reads it later can follow."""
     level = [message]
     for _ in range(_DEEPEST):
-        level = [inner for one in level if isinstance(one, dict | list)
-                 for inner in (one.values() if isinstance(one, dict) else one)]
+        level = [
+            inner
+            for one in level
+            if isinstance(one, dict | list)
+            for inner in (one.values() if isinstance(one, dict) else one)
+        ]
     return bool(level)
 
 

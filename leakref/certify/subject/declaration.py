@@ -39,29 +39,39 @@ class Declaration:
         Raises Unanswered (error) that names the field that is wrong.
         """
         known = {**_DEFAULT, "format": "npz", "fixed": (), "can": {"extract": {}}, **_clean(given)}
-        choices = {"units": ("si", "scaled"), "y": ("up", "down"), "direction": ("to", "from"),
-                   "axes": ("xyt", "xty", "yxt", "ytx", "txy", "tyx"), "format": ("npz", "mat", "raw")}
+        choices = {
+            "units": ("si", "scaled"),
+            "y": ("up", "down"),
+            "direction": ("to", "from"),
+            "axes": ("xyt", "xty", "yxt", "ytx", "txy", "tyx"),
+            "format": ("npz", "mat", "raw"),
+        }
         for name, allowed in choices.items():
             if known[name] not in allowed:
-                raise Unanswered(Verdict.ERROR, f"declares {name} = {known[name]!r}, should be one of "
-                                                f"{', '.join(allowed)}")
+                raise Unanswered(
+                    Verdict.ERROR, f"declares {name} = {known[name]!r}, should be one of {', '.join(allowed)}"
+                )
         can = known["can"]
         if not isinstance(can, Mapping) or not can or not set(can) <= set(STAGES):
-            raise Unanswered(Verdict.ERROR, f"declares can = {can!r}, should be an object with some of "
-                                            f"{', '.join(STAGES)}")
+            raise Unanswered(
+                Verdict.ERROR, f"declares can = {can!r}, should be an object with some of {', '.join(STAGES)}"
+            )
         if not all(isinstance(what, Mapping) for what in can.values()):
             raise Unanswered(Verdict.ERROR, f"declares can = {can!r}, should hold an object for each stage")
         for stage, what in can.items():
             for name in sorted({"methods", "windows", "names"} & set(what)):
                 if not _names(what[name]) or (name == "methods" and not what[name]):
-                    raise Unanswered(Verdict.ERROR, f"declares {name} = {what[name]!r} of {stage}, should be a list of "
-                                                    "names, each once")
+                    raise Unanswered(
+                        Verdict.ERROR,
+                        f"declares {name} = {what[name]!r} of {stage}, should be a list of names, each once",
+                    )
         if (resolves := can.get("extract", {}).get("resolves", "band")) not in ("wavenumber", "band"):
             raise Unanswered(Verdict.ERROR, f"declares resolves = {resolves!r}, should be wavenumber or band")
         fixed = known["fixed"]
         if not _names(fixed):
-            raise Unanswered(Verdict.ERROR, f"declares fixed = {fixed!r}, should be a list of parameter names, each "
-                                            "once")
+            raise Unanswered(
+                Verdict.ERROR, f"declares fixed = {fixed!r}, should be a list of parameter names, each once"
+            )
         return cls(**{name: str(known[name]) for name in (*_DEFAULT, "format")}, fixed=tuple(fixed), can=dict(can))
 
     @property
@@ -87,15 +97,25 @@ class Declaration:
 
     def record(self) -> dict[str, Any]:
         """For the certificate."""
-        return {"name": self.name, "version": self.version, "units": self.units, "axes": self.axes, "y": self.y,
-                "direction": self.direction, "fixed": list(self.fixed),
-                "can": {stage: dict(what) for stage, what in self.can.items()}}
+        return {
+            "name": self.name,
+            "version": self.version,
+            "units": self.units,
+            "axes": self.axes,
+            "y": self.y,
+            "direction": self.direction,
+            "fixed": list(self.fixed),
+            "can": {stage: dict(what) for stage, what in self.can.items()},
+        }
 
 
 def _names(given: Any) -> bool:
     """Whether it is a list of different names, maybe an empty one."""
-    return (isinstance(given, list | tuple) and all(isinstance(name, str) and name for name in given)
-            and len(set(given)) == len(given))
+    return (
+        isinstance(given, list | tuple)
+        and all(isinstance(name, str) and name for name in given)
+        and len(set(given)) == len(given)
+    )
 
 
 def _clean(value: Any) -> Any:

@@ -22,10 +22,10 @@ import numpy as np
 import numpy.typing as npt
 from scipy import io
 
-from leakref.cubes import formats
 from leakref._base import LeakrefError
 from leakref._output import dump, folder, write_whole
 from leakref.certify.verdict import Unanswered, Verdict, printable
+from leakref.cubes import formats
 
 __all__ = ["Exchange"]
 
@@ -70,8 +70,10 @@ class Exchange:
         except OSError as error:
             if error.errno not in _SOMEBODY:
                 raise
-            raise Unanswered(Verdict.ERROR, "removed or replaced the exchange folder, so that nothing can be asked "
-                                            f"({error.strerror})") from None
+            raise Unanswered(
+                Verdict.ERROR,
+                f"removed or replaced the exchange folder, so that nothing can be asked ({error.strerror})",
+            ) from None
 
     def _given(self, run: int, form: str, arrays: Mapping[str, npt.ArrayLike]) -> tuple[Path, Path]:
         place = self.folder / f"run-{run}"
@@ -107,8 +109,9 @@ class Exchange:
         try:
             stream = _opened(self.folder, path)
         except OSError:
-            raise Unanswered(Verdict.ERROR, f"there is no file {path.relative_to(self.output.parent)}, where the "
-                                            "output should be") from None
+            raise Unanswered(
+                Verdict.ERROR, f"there is no file {path.relative_to(self.output.parent)}, where the output should be"
+            ) from None
         with stream:
             return (_raw if self._format == "raw" else _packed)(stream, path, name, shape)
 
@@ -123,11 +126,17 @@ class Exchange:
 
         What is still there of it counts as known afterwards.
         """
-        said = [f"{verb} its input {path.relative_to(self.output.parent)}" for path, before in self._inputs.items()
-                if (verb := _changed(self.folder, path, before))]
+        said = [
+            f"{verb} its input {path.relative_to(self.output.parent)}"
+            for path, before in self._inputs.items()
+            if (verb := _changed(self.folder, path, before))
+        ]
         there = _entries(self.folder)
-        allowed = {path for path in there if path == self.output or (self._format == "raw" and path.suffix == ".f64"
-                                                                     and path.parent == self.output)}
+        allowed = {
+            path
+            for path in there
+            if path == self.output or (self._format == "raw" and path.suffix == ".f64" and path.parent == self.output)
+        }
         stray = sorted(repr(printable(path.relative_to(self.folder), 120)) for path in there - self._known - allowed)
         if stray:
             said.append(f"left in the exchange folder {', '.join(stray[:3])}" + ", ..." * (len(stray) > 3))
@@ -237,8 +246,11 @@ def _raw(stream: BinaryIO, path: Path, name: str, shape: Sequence[int]) -> npt.N
         return np.frombuffer(content, "<f8").astype(np.float64).reshape(shape)
     if len(content) == size == 16 * count:
         return np.frombuffer(content, "<c16").astype(np.complex128).reshape(shape)
-    raise Unanswered(Verdict.FAIL, f"{path.name} holds {size} bytes, should be 8 for each number of {name}, of shape "
-                                   f"{tuple(shape)}, or 16 if they are complex")
+    raise Unanswered(
+        Verdict.FAIL,
+        f"{path.name} holds {size} bytes, should be 8 for each number of {name}, of shape "
+        f"{tuple(shape)}, or 16 if they are complex",
+    )
 
 
 def _entries(top: Path) -> set[Path]:

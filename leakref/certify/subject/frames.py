@@ -13,12 +13,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from leakref.dispersion import DEEP, Water
 from leakref._base import FloatArray
 from leakref.certify.subject.declaration import Declaration
 from leakref.certify.verdict import Unanswered, Verdict
+from leakref.dispersion import DEEP, Water
 from leakref.sea import Components
-from leakref.window import WINDOWS, window as named_window
+from leakref.window import WINDOWS
+from leakref.window import window as named_window
 
 __all__ = ["GRAVITY", "PEAK", "Call", "Subject", "Velocities"]
 
@@ -70,8 +71,10 @@ class Subject:
         if can is None:
             return False
         if stage == "extract":
-            return asked.get("window", self.declaration.windows[0]) in self.declaration.windows and \
-                asked.get("method", self.declaration.methods[0]) in self.declaration.methods
+            return (
+                asked.get("window", self.declaration.windows[0]) in self.declaration.windows
+                and asked.get("method", self.declaration.methods[0]) in self.declaration.methods
+            )
         offered = can.get("windows" if stage == "spectrum" else "names", tuple(WINDOWS))
         return all(value in offered for value in asked.values())
 
@@ -99,8 +102,9 @@ class Subject:
         """The inverse of `framed`, for what has its axes in the declared order, but for the direction of y."""
         return np.transpose(np.asarray(cube), [self.declaration.axes.index(axis) for axis in "xyt"])
 
-    def _surface(self, surface: FloatArray, spacing: Sequence[float],
-                 scale: float) -> tuple[dict[str, Any], list[float], float]:
+    def _surface(
+        self, surface: FloatArray, spacing: Sequence[float], scale: float
+    ) -> tuple[dict[str, Any], list[float], float]:
         if "dy" in self.declaration.fixed and abs(spacing[1] - spacing[0]) > 1e-9 * spacing[0]:
             raise Unanswered(Verdict.UNSUPPORTED, "knows square pixels only, and dy is not dx here")
         length, time, gravity = self.units(scale)
@@ -110,8 +114,17 @@ class Subject:
 
     # ------------------------------------------------------------ the four stages
 
-    def extract(self, surface: FloatArray, spacing: Sequence[float], wavenumbers: npt.ArrayLike, *,
-                window: str = "hann", method: str | None = None, scale: float = 1.0, raw: bool = False) -> Velocities:
+    def extract(
+        self,
+        surface: FloatArray,
+        spacing: Sequence[float],
+        wavenumbers: npt.ArrayLike,
+        *,
+        window: str = "hann",
+        method: str | None = None,
+        scale: float = 1.0,
+        raw: bool = False,
+    ) -> Velocities:
         """Velocities (n, 2) at `wavenumbers` (n,), all in scaled units. Raises Unanswered.
 
         A number that is not finite is a failure; one that is declined is NaN here, and all declined is a failure.
@@ -125,9 +138,15 @@ class Subject:
             surface = _tapered(surface, window)
         arrays, steps, gravity = self._surface(surface, spacing, scale)
         length, time, _ = self.units(scale)
-        parameters = {"dx": steps[0], "dy": steps[1], "dt": steps[2], "gravity": gravity,
-                      "wavenumbers": (asked / length).tolist(), "window": window if d.tapers else "box",
-                      "method": method}
+        parameters = {
+            "dx": steps[0],
+            "dy": steps[1],
+            "dt": steps[2],
+            "gravity": gravity,
+            "wavenumbers": (asked / length).tolist(),
+            "window": window if d.tapers else "box",
+            "method": method,
+        }
         answer = self._work("extract", arrays, parameters)
         rows, at = _rows(answer, asked / length, d)
         if not raw:
@@ -138,8 +157,11 @@ class Subject:
         if d.direction == "from":
             values *= -1
         found = _matched(asked, values, None if at is None else at * length, steps, surface.shape, length, d)
-        self._kept("extract", {"shape": surface.shape, "wavenumbers": asked, "window": window, "method": method,
-                               "scale": scale}, found.values)
+        self._kept(
+            "extract",
+            {"shape": surface.shape, "wavenumbers": asked, "window": window, "method": method, "scale": scale},
+            found.values,
+        )
         return found
 
     def spectrum(self, surface: FloatArray, spacing: Sequence[float], window: str) -> npt.NDArray[Any]:
@@ -147,8 +169,11 @@ class Subject:
         self._require("spectrum", window=window)
         arrays, steps, _ = self._surface(surface, spacing, 1.0)
         if self.declaration.y == "down":  # a transform knows nothing of up and down: array in, array out
-            arrays["eta"] = np.ascontiguousarray(arrays["eta"][tuple(
-                slice(None, None, -1) if axis == "y" else slice(None) for axis in self.declaration.axes)])
+            arrays["eta"] = np.ascontiguousarray(
+                arrays["eta"][
+                    tuple(slice(None, None, -1) if axis == "y" else slice(None) for axis in self.declaration.axes)
+                ]
+            )
         answer = self._work("spectrum", arrays, {"dx": steps[0], "dy": steps[1], "dt": steps[2], "window": window})
         found = np.asarray(_part(answer, "S"))
         if found.shape != arrays["eta"].shape:
@@ -163,9 +188,16 @@ class Subject:
         up = (y[-1] + y[0]) if flip else 0.0  # rows counted downwards: y' = up - y
         sign = -1.0 if flip else 1.0
         phase = components.phase + (components.ky * up if flip else 0.0)
-        arrays = {"kx": components.kx / length, "ky": sign * components.ky / length, "omega": components.omega / time,
-                  "amplitude": components.amplitude * length, "phase": phase, "x": x * length, "y": y * length,
-                  "t": t * time}
+        arrays = {
+            "kx": components.kx / length,
+            "ky": sign * components.ky / length,
+            "omega": components.omega / time,
+            "amplitude": components.amplitude * length,
+            "phase": phase,
+            "x": x * length,
+            "y": y * length,
+            "t": t * time,
+        }
         found = np.asarray(_part(self._work("synthesize", arrays, {}), "eta"))
         shape = tuple({"x": x.size, "y": y.size, "t": t.size}[axis] for axis in self.declaration.axes)
         if found.shape != shape or found.dtype.kind not in "fiu":
@@ -245,14 +277,24 @@ def _numbers(given: Any) -> FloatArray | None:
 
 def _refuse_bad(found: FloatArray) -> None:
     if (bad := np.isinf(found).any(axis=1)).any():
-        raise Unanswered(Verdict.FAIL, f"{int(bad.sum())} of {len(found)} velocities are NaN or infinite; where there "
-                                       "is no number the answer is null (in Python None, or a masked row)")
+        raise Unanswered(
+            Verdict.FAIL,
+            f"{int(bad.sum())} of {len(found)} velocities are NaN or infinite; where there "
+            "is no number the answer is null (in Python None, or a masked row)",
+        )
     if np.isnan(found).all():
         raise Unanswered(Verdict.FAIL, f"declined all {len(found)} velocities")
 
 
-def _matched(asked: FloatArray, values: FloatArray, at: FloatArray | None, steps: Sequence[float],
-             shape: tuple[int, ...], length: float, d: Declaration) -> Velocities:
+def _matched(
+    asked: FloatArray,
+    values: FloatArray,
+    at: FloatArray | None,
+    steps: Sequence[float],
+    shape: tuple[int, ...],
+    length: float,
+    d: Declaration,
+) -> Velocities:
     """For each wavenumber asked for the answer within half a bin of it; for a band the one answer there is."""
     if d.band:
         values = np.repeat(values, asked.size, axis=0)

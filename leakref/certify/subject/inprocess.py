@@ -51,8 +51,11 @@ class InProcess(Subject):
         before = {name: np.array(value) for name, value in arrays.items()}
         try:
             answer = call(self.functions[stage], stage, arrays, parameters)
-            self.violations += [f"{stage} altered its input {name}" for name, value in before.items()
-                                if not np.array_equal(value, arrays[name], equal_nan=True)]
+            self.violations += [
+                f"{stage} altered its input {name}"
+                for name, value in before.items()
+                if not np.array_equal(value, arrays[name], equal_nan=True)
+            ]
             return answer
         except NotImplementedError as error:
             raise Unanswered(Verdict.UNSUPPORTED, str(error) or f"{stage} is not implemented") from error
@@ -113,8 +116,9 @@ def takes_wavenumbers(function: Callable[..., Any]) -> bool:
     return many or any(p.kind is p.VAR_POSITIONAL for p in parameters)
 
 
-def call(function: Callable[..., Any], stage: str, arrays: Mapping[str, Any],
-         parameters: Mapping[str, Any]) -> dict[str, Any]:
+def call(
+    function: Callable[..., Any], stage: str, arrays: Mapping[str, Any], parameters: Mapping[str, Any]
+) -> dict[str, Any]:
     """Call a Python stage with what the protocol hands over, passing only the keywords it takes."""
 
     def taken(**keywords: Any) -> dict[str, Any]:

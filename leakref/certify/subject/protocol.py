@@ -60,8 +60,15 @@ class ProcessSubject(Subject):
     after its last answer.
     """
 
-    def __init__(self, command: Sequence[str], *, limits: Limits | None = None, keep: Path | None = None,
-                 folder: Path | None = None, loading: float = 0.0) -> None:
+    def __init__(
+        self,
+        command: Sequence[str],
+        *,
+        limits: Limits | None = None,
+        keep: Path | None = None,
+        folder: Path | None = None,
+        loading: float = 0.0,
+    ) -> None:
         super().__init__(Declaration())
         self._loading = loading
         self.command, self.limits, self.keep, self.folder = list(command), limits or Limits(), keep, folder
@@ -74,23 +81,32 @@ class ProcessSubject(Subject):
         self._exchange = Exchange(self.keep)
         last_resorts.add(self._abandon)
         try:
-            what, remedy = "", ("see that it speaks protocol 1 (`leakref guide protocol`); `leakref scaffold` "
-                                "writes one that does")
+            what, remedy = (
+                "",
+                ("see that it speaks protocol 1 (`leakref guide protocol`); `leakref scaffold` writes one that does"),
+            )
             try:
                 self.declaration = self._start()
-                what, remedy = " a first small question", ('see to that; one that knows square pixels only says '
-                                                           '"fixed": ["dy"], and to what it cannot do "unsupported"')
+                what, remedy = (
+                    " a first small question",
+                    (
+                        "see to that; one that knows square pixels only says "
+                        '"fixed": ["dy"], and to what it cannot do "unsupported"'
+                    ),
+                )
                 self._try_out()
             except Unanswered as nothing:
-                raise HarnessBroken("certify", f"the program does not answer{what}: {self._blamed(nothing)}",
-                                    remedy) from None
+                raise HarnessBroken(
+                    "certify", f"the program does not answer{what}: {self._blamed(nothing)}", remedy
+                ) from None
         except BaseException:
             self.close()
             raise
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None,
-                 trace: TracebackType | None) -> None:
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
         self.close()
 
     def close(self) -> None:
@@ -121,8 +137,7 @@ class ProcessSubject(Subject):
 
     def _start(self) -> Declaration:
         """Start the program: what it declares. Raises Breach, or LeakrefError where it refuses to start."""
-        self._child = child = Child(self.command, self.folder, str(self._exchange.folder),
-                                    self._exchange.belongings)
+        self._child = child = Child(self.command, self.folder, str(self._exchange.folder), self._exchange.belongings)
         if self._interrupted:  # before it was there to be ended
             child.kill()
             raise Breach(Verdict.ERROR, "is not asked any more")
@@ -134,11 +149,16 @@ class ProcessSubject(Subject):
         self._asking = False
         if ready.get("op") == "failed":
             refusal = HarnessBroken if ready.get("broken") else LeakrefError
-            raise refusal("certify", printable(ready.get("fault", ready.get("message", "it failed")), 1000),
-                          printable(ready.get("remedy", "see that it can be started")))
+            raise refusal(
+                "certify",
+                printable(ready.get("fault", ready.get("message", "it failed")), 1000),
+                printable(ready.get("remedy", "see that it can be started")),
+            )
         if ready.get("op") != "ready" or ready.get("protocol") != PROTOCOL:
-            raise Breach(Verdict.ERROR, f'said {printable(ready)} when it was started, should be "op": "ready" and '
-                                        f'"protocol": {PROTOCOL}')
+            raise Breach(
+                Verdict.ERROR,
+                f'said {printable(ready)} when it was started, should be "op": "ready" and "protocol": {PROTOCOL}',
+            )
         try:
             return Declaration.read({name: value for name, value in ready.items() if name not in ("op", "protocol")})
         except Unanswered as wrong:
@@ -183,16 +203,24 @@ class ProcessSubject(Subject):
 
     def _work(self, stage: str, arrays: dict[str, Any], parameters: dict[str, Any]) -> Mapping[str, Any]:
         if self._strikes >= STRIKES:
-            raise Unanswered(Verdict.ERROR, f"is not asked any more after {STRIKES} breaches in a row, the last of "
-                                            f"which was that it {self._last}")
+            raise Unanswered(
+                Verdict.ERROR,
+                f"is not asked any more after {STRIKES} breaches in a row, the last of which was that it {self._last}",
+            )
         self._run += 1
         given, output = self._exchange.give(self._run, self.declaration.format, arrays)
         shape = self._shape(stage, arrays, parameters)
         if self.declaration.format == "raw":
             shapes = {name: np.shape(value) for name, value in arrays.items()}
             parameters = {**parameters, "shapes": shapes | ({_OUTPUTS[stage]: shape} if shape else {})}
-        request = {"op": "run", "id": self._run, "stage": stage, "input": str(given), "output": str(output),
-                   "parameters": parameters}
+        request = {
+            "op": "run",
+            "id": self._run,
+            "stage": stage,
+            "input": str(given),
+            "output": str(output),
+            "parameters": parameters,
+        }
         try:
             self._exchange.note("request.json", request)
             answer = self._asked(request)
@@ -224,20 +252,28 @@ class ProcessSubject(Subject):
         if more := child.unasked():
             raise Breach(Verdict.ERROR, f"answered twice: after the answer came {printable(more[0])}")
         if answer.get("output", request["output"]) != request["output"]:
-            raise Breach(Verdict.ERROR, f"answered with the output {printable(answer['output'])}, should be the path "
-                                        "it was given")
+            raise Breach(
+                Verdict.ERROR,
+                f"answered with the output {printable(answer['output'])}, should be the path it was given",
+            )
         self._strikes = 0
         altered = answer.get("altered")
-        self.violations += [f"{request['stage']} altered its input {printable(name, 40)}"
-                            for name in (altered[:9] if isinstance(altered, list) else ())]
+        self.violations += [
+            f"{request['stage']} altered its input {printable(name, 40)}"
+            for name in (altered[:9] if isinstance(altered, list) else ())
+        ]
         status, message = answer.get("status"), printable(answer.get("message") or "it does not say why")
         if status == "error":
             self._exchange.check_space()
         if status == "unsupported":
             raise Unanswered(Verdict.UNSUPPORTED, message)
         if status != "ok":
-            raise Unanswered(Verdict.ERROR, message if status == "error" else f"answered with the status "
-                             f"{printable(status)!r}, should be ok, unsupported or error")
+            raise Unanswered(
+                Verdict.ERROR,
+                message
+                if status == "error"
+                else f"answered with the status {printable(status)!r}, should be ok, unsupported or error",
+            )
         return answer
 
     def _shape(self, stage: str, arrays: Mapping[str, Any], parameters: Mapping[str, Any]) -> tuple[int, ...]:

@@ -10,8 +10,8 @@ import numpy as np
 from leakref._base import FloatArray
 from leakref.cases import Configuration
 from leakref.chain import analyse, extract
-from leakref.ensemble import Ensemble
 from leakref.dispersion import DEEP, Water
+from leakref.ensemble import Ensemble
 from leakref.golden import oracle
 from leakref.golden.sets import tolerance
 from leakref.golden.stages.spectra import oracle_shell, oracle_values, shell_of, width_of

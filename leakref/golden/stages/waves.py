@@ -8,8 +8,8 @@ import numpy as np
 
 from leakref._base import FloatArray
 from leakref.chain import shell_wavenumbers
-from leakref.dispersion import DEEP, Scales, Water, velocity_resolutions
 from leakref.currents import Current, ExponentialCurrent, LinearCurrent, ProfileCurrent, UniformCurrent
+from leakref.dispersion import DEEP, Scales, Water, velocity_resolutions
 from leakref.golden import oracle
 from leakref.golden.stages.stage import WAVE, Input, Output, Stage, grid_of, largest, listed, relative, waves_of
 from leakref.grid import Grid

@@ -13,15 +13,19 @@ class Code:
 
     def describe(self) -> dict[str, Any]:
         """Say here what your code expects and returns; leakref converts to it and back."""
-        return {"name": "my code", "version": "1",
-                "units": "si",  # metres and seconds; or "scaled", where gravity is 1
-                "axes": "xyt",  # the order of the axes of the surface
-                "y": "up",  # the second axis points upwards; or "down", as the rows of an image do
-                "direction": "to",  # velocities say where the water goes to; or "from"
-                "can": {"extract": {"methods": ["ls"], "windows": ["box", "hann"], "resolves": "wavenumber"}}}
+        return {
+            "name": "my code",
+            "version": "1",
+            "units": "si",  # metres and seconds; or "scaled", where gravity is 1
+            "axes": "xyt",  # the order of the axes of the surface
+            "y": "up",  # the second axis points upwards; or "down", as the rows of an image do
+            "direction": "to",  # velocities say where the water goes to; or "from"
+            "can": {"extract": {"methods": ["ls"], "windows": ["box", "hann"], "resolves": "wavenumber"}},
+        }
 
-    def extract(self, surface: Any, spacing: Sequence[float], wavenumbers: Any, *, gravity: float,
-                window: str) -> list[tuple[float, float] | None]:
+    def extract(
+        self, surface: Any, spacing: Sequence[float], wavenumbers: Any, *, gravity: float, window: str
+    ) -> list[tuple[float, float] | None]:
         """The current (cx, cy) that the waves near each wavenumber see, None where there is none to give.
 
         `surface` (nx, ny, nt) is sampled at `spacing` (dx, dy, dt); `wavenumbers` (n,) in rad per unit of length. This
