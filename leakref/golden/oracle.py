@@ -15,31 +15,10 @@ from typing import Any
 from mpmath import mp, mpf
 
 __all__ = [
-    "Bins",
-    "Shell",
-    "at_digits",
-    "characteristic",
-    "closed_lobe",
-    "components",
-    "dispersion",
-    "doppler",
-    "jonswap",
-    "kernel",
-    "lattice_phase",
-    "least_squares",
-    "lobe",
-    "mean_square",
-    "nearest_root",
-    "newton",
-    "score",
-    "shell_bins",
-    "spectrum",
-    "spreading",
-    "statistics",
-    "surface",
-    "transformed",
-    "window",
-]
+    "Bins", "Shell", "at_digits", "characteristic", "closed_lobe", "components", "dispersion", "doppler", "jonswap",
+    "kernel", "lattice_phase", "least_squares", "lobe", "mean_square", "nearest_root", "newton", "score",
+    "shell_bins", "spectrum", "spreading", "statistics", "surface", "transformed", "window",
+]  # fmt: skip
 
 DIGITS = 40
 Bins = list[tuple[int, int]]
