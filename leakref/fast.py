@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property, lru_cache
-from math import comb, factorial
+from math import comb
 from typing import Any
 
 import numpy as np
@@ -27,7 +27,7 @@ from leakref.shell import (_ROUNDING, EDGE_MARGIN, HALF_WIDTH, Extraction, Note,
                            collect, nothing, shell_at, velocity_unit)
 from leakref.spectrum import Spectrum
 from leakref.window import window as named_window
-from leakref.fastscore import (DENSE, KEPT, ORDER, POOL, Models, Ring, climb, least_squares, only_leaked, outdone,
+from leakref.fastscore import (DENSE, ORDER, POOL, Ring, climb, hermite, least_squares, models, only_leaked, outdone,
                                peaks, pool, principal)
 from leakref.fastspectra import Disc, magnitudes
 
@@ -60,8 +60,7 @@ class _Seen:
                             for lobes, bins, n in zip(map(_lobes, 3 * [window], grid.shape), (*disc.bins, m), at,
                                                       strict=True))
         self.across = self.largest[self.strongest] * x * y
-        self.models = Models(np.empty((KEPT, 2)), np.empty((KEPT, ORDER, ORDER)),
-                              np.empty((KEPT, ORDER, ORDER)), np.zeros(3, dtype=np.int64))
+        self.models = models(self.largest.size)
 
     def _shell(self, ring: Ring) -> Shell:
         """As shell.shell_at makes it."""
@@ -162,10 +161,9 @@ def _rings(disc: Disc, wavenumbers: FloatArray, gravity: float, peak_wavenumber:
     kx, ky = (bins * spacing for bins, spacing in zip(disc.bins, grid.bin_widths, strict=False))
     k = np.hypot(kx, ky)
     centre = intrinsic_frequency(k, gravity) / step
-    half, orders = int(np.ceil(_CUT * width)), range(ORDER)
-    u = 2 / width * np.arange(-half, half + 1)
-    taps, powers = np.exp(-(u**2) / 2), np.array([u**p / factorial(p) for p in orders])
-    binomials = np.array([[float(comb(q + p, p)) for p in orders] for q in orders])
+    half = int(np.ceil(_CUT * width))
+    taps = hermite(width, half + (2 - half) % 5)  # a number of them that five divides
+    binomials = np.array([[float(comb(q + p, p)) for p in range(ORDER)] for q in range(ORDER)])
     rings = []
     for k_i in wavenumbers:
         columns = np.flatnonzero(np.abs(k - k_i) / dk <= half_width + EDGE_MARGIN)
@@ -175,7 +173,7 @@ def _rings(disc: Disc, wavenumbers: FloatArray, gravity: float, peak_wavenumber:
         unit = velocity_unit(float(k_i), gravity, peak_wavenumber)
         rings.append(Ring(np.empty((0, 0)), columns, kx[columns] / step, ky[columns] / step, centre[columns],
                            float(k[columns].max()) / step, float(k_i) / step, unit, float(width),
-                           grid.shape[2] % 2 == 0, taps, powers, binomials))
+                           grid.shape[2] % 2 == 0, taps, binomials))
     return rings
 
 

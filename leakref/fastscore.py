@@ -16,16 +16,18 @@ import numpy as np
 from leakref._base import FloatArray, IntArray
 from leakref._caches import njit
 
-__all__ = ["DENSE", "KEPT", "ORDER", "POOL", "Models", "Ring", "climb", "least_squares", "only_leaked", "outdone",
+__all__ = ["DENSE", "ORDER", "POOL", "Models", "Ring", "climb", "hermite", "least_squares", "models", "only_leaked", "outdone",
            "peaks", "pool", "principal"]
 
 ORDER = 12  # of an expansion of the score: powers of the velocity below it
+MOMENTS = 16  # of a column, which hold, to 2e-11, up to _RADIUS and half a cell from it; to rounding half a cell from it
+CELLS = 16  # of each column whose moments are remembered
 _RADIUS = 0.3  # how far an expansion holds, to 2e-11, in standard deviations of the Gaussian
 _CLOSE = 1e-4  # the same for one of order 4, to rounding; and the step in c0 after which Newton's method asks for one
 DENSE = 3.0  # bins: from this width on the sampled Gaussian has a constant sum
 _LOST = 1e-3  # what is left of G, below which the tails that `_CUT` cuts would decide
 _CHUNK = 64  # columns at a time
-KEPT = 64  # expansions of one shell
+_KEPT = 64  # expansions of one shell
 POOL = 8  # places of the table of scores, an eighth of the width each
 
 _compiled: Any = njit(nogil=True, error_model="numpy")
@@ -45,8 +47,7 @@ class Ring(NamedTuple):
     unit: float  # c0
     width: float
     even: bool  # whether the last bin is the Nyquist frequency, half of it a mirror image
-    taps: FloatArray  # exp(-2 (j / width)^2), (2 half + 1,)
-    powers: FloatArray  # (2 j / width)^p / p!, (ORDER, 2 half + 1)
+    taps: FloatArray  # see `hermite`, (cells in a bin, 2 half + 1, MOMENTS)
     binomials: FloatArray  # (ORDER, ORDER)
 
 
@@ -68,86 +69,98 @@ def _bins(ring, column, m, out):
                 out[j] *= 0.5
 
 
-@_summing
-def _pulse(f, d, ring, out):
-    """f_j exp(-2 ((j - d) / width)^2) over bins j = -half ... half, out (2 half + 1,)."""
-    size, s = f.size, 2 * d / ring.width
-    ratio, out[0], filled = np.exp(2 * s / ring.width), np.exp(-s * (s / 2 + (size // 2) * 2 / ring.width)), 1
-    while filled < size:  # powers by doubling
-        for j in range(min(filled, size - filled)):
-            out[filled + j] = out[j] * ratio
-        ratio *= ratio
-        filled *= 2
-    for j in range(size):
-        out[j] *= f[j] * ring.taps[j]
+def hermite(width: float, half: int) -> FloatArray:
+    """exp(-u^2 / 2) He_q(u) / q! at bins u, in standard deviations, from a cell's middle: (cells, 2 half + 1, MOMENTS).
+
+    The Gaussian at u - t is the sum over q of t^q times these. A cell is at most a quarter of the width.
+    """
+    cells = max(1, int(np.ceil(4 / width - 1e-9)))
+    u = 2 / width * (np.arange(-half, half + 1) - np.arange(cells)[:, None] / cells)
+    values = [np.exp(-(u**2) / 2), u * np.exp(-(u**2) / 2)]
+    for q in range(2, MOMENTS):
+        values.append((u * values[-1] - values[-2]) / q)
+    return np.ascontiguousarray(np.stack(values, axis=-1))
 
 
 @_summing
-def _gather(pulses, s, kx, ky, powers, order, total):
+def _moments(f, first, taps, out):
+    """Sums of f[first + j] times each of taps[j], (n, MOMENTS), five rows at a time to keep them in registers."""
+    out[:] = 0.0
+    for j in range(0, taps.shape[0], 5):
+        a, b, c, d, e = f[first + j], f[first + j + 1], f[first + j + 2], f[first + j + 3], f[first + j + 4]
+        for q in range(MOMENTS):
+            out[q] += (a * taps[j, q] + b * taps[j + 1, q]) + (c * taps[j + 2, q] + d * taps[j + 3, q]) + e * taps[j + 4, q]
+
+
+@_summing
+def _gather(moments, s, kx, ky, n, order, total):
     """Add to total[q, p] the sums over columns of kx^q ky^p times the coefficient of t^(q + p), q + p < `order`.
 
-    The Gaussian at distance u - s - t from its centre, in standard deviations, is that at u - s times
-    exp(u t) exp(-s t - t^2 / 2): moments of the pulses, times Hermite polynomials of s.
+    `moments` (MOMENTS + 2, n) are the coefficients around the middles of cells, and zeros, s the way from there to
+    the centres. They are lost.
     """
-    n = s.size
-    moments, hermite, series = np.empty((order, n)), np.empty((order, n)), np.empty((order, n))
-    px, py = np.empty((order, n)), np.empty((order, n))
-    np.dot(powers[:order], pulses.T, moments)
+    px, py = np.empty((order, _CHUNK)), np.empty((order, _CHUNK))
     for i in range(n):
-        hermite[0, i] = px[0, i] = py[0, i] = 1.0
-        hermite[1, i], px[1, i], py[1, i] = -s[i], kx[i], ky[i]
-    for p in range(2, order):
+        px[0, i] = py[0, i] = 1.0
+    for p in range(1, order):
         for i in range(n):
-            hermite[p, i] = -(s[i] * hermite[p - 1, i] + hermite[p - 2, i]) / p
             px[p, i], py[p, i] = px[p - 1, i] * kx[i], py[p - 1, i] * ky[i]
     for p in range(order):
-        for i in range(n):
-            series[p, i] = moments[p, i]
-        for q in range(1, p + 1):
+        for q in range(p + 3 * ((MOMENTS + 1 - p) // 3) - 1, p, -3):  # three at a time, which is three times as fast
             for i in range(n):
-                series[p, i] += hermite[q, i] * moments[p - q, i]
+                a = moments[q, i] + s[i] * moments[q + 1, i]
+                b = moments[q - 1, i] + s[i] * a
+                moments[q, i], moments[q - 1, i], moments[q - 2, i] = a, b, moments[q - 2, i] + s[i] * b
     for q in range(order):
         for p in range(order - q):
             part = 0.0
             for i in range(n):
-                part += px[q, i] * py[p, i] * series[q + p, i]
+                part += px[q, i] * py[p, i] * moments[q + p, i]
             total[q, p] += part
 
 
 @_compiled
-def _expand(ring, c, order, top, bottom):
+def _expand(ring, models, c, order, top, bottom):
     """Numerator and denominator of N around the velocity c: coefficients of x^q y^p, (ORDER, ORDER) each.
 
     x and y are the change of velocity times 2 largest / width; terms of `order` and beyond are left out. Away from
-    the Nyquist frequency the denominator is constant to rounding, since the Gaussian is sampled densely.
+    the Nyquist frequency the denominator is constant to rounding, since the Gaussian is sampled densely. The moments
+    of a column around the middle of a cell serve every expansion of every shell that comes by.
     """
-    size, nw = ring.taps.size, ring.magnitude.shape[1]
-    half = size // 2
-    f, pulses, ones = np.empty(size), np.empty((_CHUNK, size)), np.empty((_CHUNK, size))
-    s, centres = np.empty(_CHUNK), ring.centre + ring.kx * c[0] + ring.ky * c[1]
+    cells, size, _ = ring.taps.shape
+    nw, half = ring.magnitude.shape[1], size // 2
+    f, one, s = np.empty(size), np.empty(MOMENTS), np.empty(_CHUNK)
+    moments, ones = np.zeros((MOMENTS + 2, _CHUNK)), np.zeros((MOMENTS + 2, _CHUNK))
+    centres = ring.centre + ring.kx * c[0] + ring.ky * c[1]
     top[:] = 0.0
     bottom[:] = 0.0
     clipped = ring.width < DENSE or np.abs(centres).max() > nw - 3 - half
     for start in range(0, centres.size, _CHUNK):
         n = min(_CHUNK, centres.size - start)
         for i in range(n):
-            centre, column = centres[start + i], ring.columns[start + i]
-            centre = min(max(centre, -2.0 * nw), 2.0 * nw)  # past the bins all is zero
-            nearest = int(np.rint(centre))
-            s[i] = 2 * (centre - nearest) / ring.width
-            first = nearest - half
-            if first < 0 or first + size >= nw:
-                _bins(ring, column, first, f)
-                _pulse(f, centre - nearest, ring, pulses[i])
-            else:
-                _pulse(ring.magnitude[column, first : first + size], centre - nearest, ring, pulses[i])
+            column, centre = ring.columns[start + i], min(max(centres[start + i], -2.0 * nw), 2.0 * nw)  # past the bins
+            cell = int(np.rint(centre * cells))
+            s[i] = 2 * (centre - cell / cells) / ring.width
+            nearest = cell // cells
+            first, taps = nearest - half, ring.taps[cell - nearest * cells]
+            kept = models.moments[column, cell % CELLS]
+            if models.cells[column, cell % CELLS] != cell:
+                models.cells[column, cell % CELLS] = cell
+                if first < 0 or first + size >= nw:
+                    _bins(ring, column, first, f)
+                    _moments(f, 0, taps, kept)
+                else:
+                    _moments(ring.magnitude[column], first, taps, kept)
+            for q in range(MOMENTS):
+                moments[q, i] = kept[q]
             if clipped:
                 _bins(ring, -1, first, f)
-                _pulse(f, centre - nearest, ring, ones[i])
+                _moments(f, 0, taps, one)
+                ones[:MOMENTS, i] = one
         kx, ky = ring.kx[start : start + n] / ring.largest, ring.ky[start : start + n] / ring.largest
-        _gather(pulses[:n], s[:n], kx, ky, ring.powers, order, top)
+        _gather(moments, s, kx, ky, n, order, top)
         if clipped:
-            _gather(ones[:n], s[:n], kx, ky, ring.powers, order, bottom)
+            _gather(ones, s, kx, ky, n, order, bottom)
     if not clipped:
         bottom[0, 0] = ring.columns.size * ring.width * np.sqrt(np.pi / 2)
     top *= ring.binomials
@@ -179,27 +192,41 @@ def _slopes(a, x, y, scale):
 
 
 class Models(NamedTuple):
-    """Expansions of the score of one shell, made where they are asked for."""
+    """Expansions of the score of one shell, and moments of the columns of all, made where they are asked for."""
 
-    centres: FloatArray  # (KEPT, 2)
-    top: FloatArray  # (KEPT, ORDER, ORDER)
+    centres: FloatArray  # (_KEPT, 2)
+    radii: FloatArray  # (_KEPT,): how far they hold
+    top: FloatArray  # (_KEPT, ORDER, ORDER)
     bottom: FloatArray
     made: IntArray  # how many, which was used last, and whether the search is lost (_score)
+    cells: IntArray  # (columns, CELLS): which one the moments are of
+    moments: FloatArray  # (columns, CELLS, MOMENTS)
+
+
+def models(columns: int) -> Models:
+    """None yet."""
+    return Models(np.empty((_KEPT, 2)), np.empty(_KEPT), np.empty((_KEPT, ORDER, ORDER)),
+                  np.empty((_KEPT, ORDER, ORDER)), np.zeros(3, dtype=np.int64),
+                  np.full((columns, CELLS), np.iinfo(np.int64).min), np.empty((columns, CELLS, MOMENTS)))
 
 
 @_compiled
-def _model(ring, models, c, radius):
-    """The number of an expansion whose centre is within `radius` (of 2 k.c / width) of c, new if need be."""
-    reach = (radius * ring.width / (2 * ring.largest)) ** 2
+def _model(ring, models, c, radius, new):
+    """The number of an expansion whose centre is within `radius` (of 2 k.c / width) of c, as far as it holds.
+
+    If need be a `new` one is made, which holds that far.
+    """
+    scale = 2 * ring.largest / ring.width
     made = models.made[0]
-    for back in range(min(made, KEPT)):
-        n = (models.made[1] - back) % min(made, KEPT)
-        if (models.centres[n, 0] - c[0]) ** 2 + (models.centres[n, 1] - c[1]) ** 2 <= reach:
+    for back in range(min(made, _KEPT)):
+        n = (models.made[1] - back) % min(made, _KEPT)
+        reach = min(radius, models.radii[n]) / scale
+        if (models.centres[n, 0] - c[0]) ** 2 + (models.centres[n, 1] - c[1]) ** 2 <= reach * reach:
             models.made[1] = n
             return n
-    n = made % KEPT
-    models.centres[n] = c
-    _expand(ring, c, ORDER if radius > _CLOSE else 4, models.top[n], models.bottom[n])
+    n = made % _KEPT
+    models.centres[n], models.radii[n] = c, new
+    _expand(ring, models, c, ORDER if new > _CLOSE else 4, models.top[n], models.bottom[n])
     models.made[0], models.made[1] = made + 1, n
     return n
 
@@ -207,7 +234,7 @@ def _model(ring, models, c, radius):
 @_compiled
 def _score(ring, models, c):
     """N up to a factor, at c. Where most of G has left the Nyquist range the search is noted as lost."""
-    n = _model(ring, models, c, _RADIUS)
+    n = _model(ring, models, c, _RADIUS, _RADIUS)
     scale = 2 * ring.largest / ring.width
     x, y = (c[0] - models.centres[n, 0]) * scale, (c[1] - models.centres[n, 1]) * scale
     bottom = _value(models.bottom[n], x, y)
@@ -218,9 +245,9 @@ def _score(ring, models, c):
 
 
 @_compiled
-def _derivatives(ring, models, c, radius, out):
+def _derivatives(ring, models, c, radius, new, out):
     """N up to a factor, gradient and second derivatives (xx, xy, yy) as in nsp.score_derivatives, out (6,)."""
-    n = _model(ring, models, c, radius)
+    n = _model(ring, models, c, radius, new)
     scale = 2 * ring.largest / ring.width
     x, y = (c[0] - models.centres[n, 0]) * scale, (c[1] - models.centres[n, 1]) * scale
     a, ax, ay, axx, axy, ayy = _slopes(models.top[n], x, y, scale)
@@ -245,12 +272,13 @@ def principal(d):
 def _ascend(ring, models, start, c, d):
     """nsp._ascend from `start` to c, with the derivatives there in d: evaluations, and whether it got there.
 
-    Close to the end the expansion is made anew, so that the derivatives are those at the end itself.
+    On the way an expansion is used once and small. Close to the end it is made anew, so that the derivatives are
+    those at the end itself.
     """
     c[:] = start
-    radius = _RADIUS
+    radius = new = _RADIUS
     for count in range(1, 60):
-        _derivatives(ring, models, c, radius, d)
+        _derivatives(ring, models, c, radius, new, d)
         first, second, u, v = principal(d)
         largest = max(abs(first), abs(second))
         along, across = u * d[1] + v * d[2], -v * d[1] + u * d[2]
@@ -263,10 +291,11 @@ def _ascend(ring, models, start, c, d):
         c[0] += step * (u * along - v * across)
         c[1] += step * (v * along + u * across)
         if length < 1e-13 * ring.unit or (count > 20 and length < 1e-11 * ring.unit):
-            _derivatives(ring, models, c, radius, d)
+            _derivatives(ring, models, c, radius, new, d)
             return count, first <= 1e-9 * largest and second < 0
         if length < _CLOSE * ring.unit:
             radius = _CLOSE
+        new = _CLOSE if step < 1 else radius
     return count, False
 
 
