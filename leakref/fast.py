@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from leakref import leakage, nsp
-from leakref._base import FloatArray, LeakrefError, positive
+from leakref._base import FloatArray, IntArray, LeakrefError, positive
 from leakref.chain import METHODS, analyse
 from leakref.dispersion import intrinsic_frequency
 from leakref.grid import Grid
@@ -27,7 +27,7 @@ from leakref.shell import (_ROUNDING, EDGE_MARGIN, HALF_WIDTH, Extraction, Note,
                            collect, nothing, shell_at, velocity_unit)
 from leakref.spectrum import Spectrum
 from leakref.window import window as named_window
-from leakref.fastscore import (DENSE, ORDER, POOL, Ring, climb, hermite, least_squares, models, only_leaked, outdone,
+from leakref.fastscore import (DENSE, ORDER, PLACES, POOL, Ring, climb, hermite, least_squares, models, only_leaked, outdone,
                                peaks, pool, principal)
 from leakref.fastspectra import Disc, magnitudes
 
@@ -35,6 +35,7 @@ __all__ = ["realize"]
 
 _Found = dict[tuple[str, str], Extraction]
 """By window and method."""
+_ROWS = 256  # of columns at a time, so that they stay in the cache
 _CUT = 4.25  # widths, where the Gaussian ends: 1e-15 of it is left
 
 
@@ -42,6 +43,21 @@ _CUT = 4.25  # widths, where the Gaussian ends: 1e-15 of it is left
 def _lobes(window: str, size: int) -> FloatArray:
     """Window.sidelobe_envelope at every distance modulo `size`, (size,): the same for all realisations."""
     return named_window(window).sidelobe_envelope(np.arange(size), size)
+
+
+def _pad(width: float) -> int:
+    """Bins on either side of a Gaussian's centre."""
+    return int(np.ceil(_CUT * width)) + 1
+
+
+@lru_cache(maxsize=32)
+def _gaussians(width: float, blocks: int) -> tuple[IntArray, npt.NDArray[np.float32]]:
+    """In blocks of places, eighths of the width: the first bin less `_pad` (blocks,), and Gaussians there (blocks, bins,
+    PLACES)."""
+    centres = np.arange(blocks * PLACES).reshape(blocks, PLACES) * (width / 8)
+    low, pad = centres[:, 0].astype(np.int64), _pad(width)
+    bins = low[:, None] - pad + np.arange(2 * pad + 2 + int(PLACES * width / 8))
+    return low, np.exp(-2 * ((bins[:, :, None] - centres[:, None]) / width) ** 2).astype(np.float32)
 
 
 class _Seen:
@@ -112,24 +128,24 @@ class _Seen:
 
     @cached_property
     def _table(self) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32], FloatArray]:
-        """Each column's part of the score by the centre of the Gaussian, from -p to p eighths of the width.
+        """Each column's part of the score by the centre of the Gaussian, from 0 up in eighths of the width; and `pool`.
 
-        Also its largest values nearby, and at all (pool). In single precision: it only chooses starts.
+        In single precision: it only chooses starts.
         """
-        eighth, (n, nw) = self.width / 8, self.magnitude.shape
-        p, pad = int(self.furthest / eighth) + 2 + POOL, int(np.ceil(_CUT * self.width)) + 1
-        f = np.zeros((n, pad + max(nw, int(p * eighth) + 2 + pad)), dtype=np.float32)
-        f[:, pad : pad + nw] = self.magnitude
+        blocks, gaussians = _gaussians(self.width, int((self.furthest * 8 / self.width + 2 + POOL) / PLACES) + 1)
+        (n, nw), pad = self.magnitude.shape, _pad(self.width)
         below = min(pad, nw - 1)  # negative frequencies, of which a short video has fewer than the Gaussian is wide
-        f[:, pad - below : pad] = self.magnitude[::-1, below:0:-1]
-        if self.even:
-            f[:, [pad + nw - 1, max(pad - nw + 1, 0)][: 1 + (below == nw - 1)]] *= 0.5
-        table = np.empty((n, 2 * p + 1), dtype=np.float32)
-        for a in range(0, p + 1, 32):
-            centres = np.arange(a, min(a + 32, p + 1)) * eighth
-            low, high = int(centres[0]), int(centres[-1]) + 2 * pad
-            g = np.exp(-2 * ((np.arange(low, high + 1)[:, None] - pad - centres) / self.width) ** 2)
-            np.matmul(f[:, low : high + 1], g.astype(np.float32), out=table[:, p + a : p + a + centres.size])
+        table = np.empty((n, len(blocks) * PLACES), dtype=np.float32)
+        f = np.zeros((_ROWS, pad + max(nw, blocks[-1] + gaussians.shape[1])), dtype=np.float32)
+        for start in range(0, n, _ROWS):
+            end = min(start + _ROWS, n)
+            here = f[: end - start]
+            here[:, pad : pad + nw] = self.magnitude[start:end]
+            here[:, pad - below : pad] = self.magnitude[n - end : n - start][::-1, below:0:-1]
+            if self.even:
+                here[:, [pad + nw - 1, max(pad - nw + 1, 0)][: 1 + (below == nw - 1)]] *= 0.5
+            for block, (low, g) in enumerate(zip(blocks, gaussians, strict=True)):
+                np.matmul(here[:, low : low + len(g)], g, out=table[start:end, block * PLACES : (block + 1) * PLACES])
         return table, *pool(table)
 
     def ls(self, ring: Ring, threshold: float) -> Optimum:
