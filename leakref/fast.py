@@ -27,8 +27,8 @@ from leakref.shell import (_ROUNDING, EDGE_MARGIN, HALF_WIDTH, Extraction, Note,
                            collect, nothing, shell_at, velocity_unit)
 from leakref.spectrum import Spectrum
 from leakref.window import window as named_window
-from leakref.fastscore import (DENSE, ORDER, PLACES, POOL, Ring, climb, hermite, least_squares, models, only_leaked, outdone,
-                               peaks, pool, principal)
+from leakref.fastscore import (DENSE, ORDER, PLACES, POOL, Ring, climb, hermite, least_squares, models, only_leaked,
+                               outdone, peaks, pool, principal)
 from leakref.fastspectra import Disc, magnitudes
 
 __all__ = ["realize"]
@@ -52,8 +52,7 @@ def _pad(width: float) -> int:
 
 @lru_cache(maxsize=32)
 def _gaussians(width: float, blocks: int) -> tuple[IntArray, npt.NDArray[np.float32]]:
-    """In blocks of places, eighths of the width: the first bin less `_pad` (blocks,), and Gaussians there (blocks, bins,
-    PLACES)."""
+    """Gaussians around `blocks` of places, (blocks, bins, PLACES), and `_pad` past the first bin of each (blocks,)."""
     centres = np.arange(blocks * PLACES).reshape(blocks, PLACES) * (width / 8)
     low, pad = centres[:, 0].astype(np.int64), _pad(width)
     bins = low[:, None] - pad + np.arange(2 * pad + 2 + int(PLACES * width / 8))
@@ -169,10 +168,14 @@ class _Seen:
         return out[:2], float(out[2]), 2 * out[6:], 2 * out[[3, 4, 4, 5]].reshape(2, 2), 0, note
 
 
-def _rings(disc: Disc, wavenumbers: FloatArray, gravity: float, peak_wavenumber: float | None, width: float,
-           half_width: float) -> list[Ring]:
-    """The shells, still without magnitudes. Raises LeakrefError as shell.shell_at does."""
-    grid, step = disc.grid, disc.grid.frequency_resolution
+@lru_cache(maxsize=8)
+def _rings(grid: Grid, radius: float, wavenumbers: tuple[float, ...], gravity: float, peak_wavenumber: float | None,
+           width: float, half_width: float) -> tuple[Disc, list[Ring]]:
+    """The bins, and the shells, still without magnitudes: the same for all realisations.
+
+    Raises LeakrefError as shell.shell_at does.
+    """
+    disc, step = Disc(grid, radius), grid.frequency_resolution
     dk, nyquist = grid.wavenumber_resolution, min(grid.nyquist[:2])
     kx, ky = (bins * spacing for bins, spacing in zip(disc.bins, grid.bin_widths, strict=False))
     k = np.hypot(kx, ky)
@@ -190,7 +193,7 @@ def _rings(disc: Disc, wavenumbers: FloatArray, gravity: float, peak_wavenumber:
         rings.append(Ring(np.empty((0, 0)), columns, kx[columns] / step, ky[columns] / step, centre[columns],
                            float(k[columns].max()) / step, float(k_i) / step, unit, float(width),
                            grid.shape[2] % 2 == 0, taps, binomials))
-    return rings
+    return disc, rings
 
 
 def _plainly(components: Components, grid: Grid, wavenumbers: FloatArray, windows: Sequence[str],
@@ -226,8 +229,8 @@ def realize(components: Components, grid: Grid, wavenumbers: npt.ArrayLike, *,
         return _plainly(components, grid, k, windows, methods, gravity=gravity, peak_wavenumber=peak_wavenumber,
                         width=width, half_width=half_width, threshold=threshold, search=search)
     outermost = float(k.max() + half_width * dk)
-    disc = Disc(grid, min(max(outermost, waves), inside) + EDGE_MARGIN * dk)
-    rings = _rings(disc, k, gravity, peak_wavenumber, width, half_width)
+    disc, rings = _rings(grid, min(max(outermost, waves), inside) + EDGE_MARGIN * dk, tuple(k.tolist()), gravity,
+                         peak_wavenumber, width, half_width)
     found = {}
     for name, magnitude in magnitudes(components, grid, tapers, disc).items():
         seen = _Seen(disc, name, magnitude, rings)

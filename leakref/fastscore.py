@@ -16,12 +16,12 @@ import numpy as np
 from leakref._base import FloatArray, IntArray
 from leakref._caches import njit
 
-__all__ = ["DENSE", "ORDER", "PLACES", "POOL", "Models", "Ring", "climb", "hermite", "least_squares", "models", "only_leaked", "outdone",
-           "peaks", "pool", "principal"]
+__all__ = ["DENSE", "ORDER", "PLACES", "POOL", "Models", "Ring", "climb", "hermite", "least_squares", "models",
+           "only_leaked", "outdone", "peaks", "pool", "principal"]
 
 ORDER = 12  # of an expansion of the score: powers of the velocity below it
-MOMENTS = 16  # of a column, which hold, to 2e-11, up to _RADIUS and half a cell from it; to rounding half a cell from it
-CELLS = 16  # of each column whose moments are remembered
+_MOMENTS = 16  # of a column around the middle of a cell: to rounding within the cell, to 2e-11 another _RADIUS away
+_CELLS = 16  # of each column whose moments are remembered
 _RADIUS = 0.3  # how far an expansion holds, to 2e-11, in standard deviations of the Gaussian
 _CLOSE = 1e-4  # the same for one of order 4, to rounding; and the step in c0 after which Newton's method asks for one
 DENSE = 3.0  # bins: from this width on the sampled Gaussian has a constant sum
@@ -48,7 +48,7 @@ class Ring(NamedTuple):
     unit: float  # c0
     width: float
     even: bool  # whether the last bin is the Nyquist frequency, half of it a mirror image
-    taps: FloatArray  # see `hermite`, (cells in a bin, 2 half + 1, MOMENTS)
+    taps: FloatArray  # see `hermite`, (cells in a bin, 2 half + 1, _MOMENTS)
     binomials: FloatArray  # (ORDER, ORDER)
 
 
@@ -71,33 +71,34 @@ def _bins(ring, column, m, out):
 
 
 def hermite(width: float, half: int) -> FloatArray:
-    """exp(-u^2 / 2) He_q(u) / q! at bins u, in standard deviations, from a cell's middle: (cells, 2 half + 1, MOMENTS).
+    """exp(-u^2 / 2) He_q(u) / q! at bins u, in standard deviations, from a cell's middle: (cells, 2 half + 1, _MOMENTS).
 
     The Gaussian at u - t is the sum over q of t^q times these. A cell is at most a quarter of the width.
     """
     cells = max(1, int(np.ceil(4 / width - 1e-9)))
     u = 2 / width * (np.arange(-half, half + 1) - np.arange(cells)[:, None] / cells)
     values = [np.exp(-(u**2) / 2), u * np.exp(-(u**2) / 2)]
-    for q in range(2, MOMENTS):
+    for q in range(2, _MOMENTS):
         values.append((u * values[-1] - values[-2]) / q)
     return np.ascontiguousarray(np.stack(values, axis=-1))
 
 
 @_summing
 def _moments(f, first, taps, out):
-    """Sums of f[first + j] times each of taps[j], (n, MOMENTS), five rows at a time to keep them in registers."""
+    """Sums of f[first + j] times each of taps[j], (n, _MOMENTS), five rows at a time to keep them in registers."""
     out[:] = 0.0
     for j in range(0, taps.shape[0], 5):
         a, b, c, d, e = f[first + j], f[first + j + 1], f[first + j + 2], f[first + j + 3], f[first + j + 4]
-        for q in range(MOMENTS):
-            out[q] += (a * taps[j, q] + b * taps[j + 1, q]) + (c * taps[j + 2, q] + d * taps[j + 3, q]) + e * taps[j + 4, q]
+        for q in range(_MOMENTS):
+            out[q] += ((a * taps[j, q] + b * taps[j + 1, q]) + (c * taps[j + 2, q] + d * taps[j + 3, q])
+                       + e * taps[j + 4, q])
 
 
 @_summing
 def _gather(moments, s, kx, ky, n, order, total):
     """Add to total[q, p] the sums over columns of kx^q ky^p times the coefficient of t^(q + p), q + p < `order`.
 
-    `moments` (MOMENTS + 2, n) are the coefficients around the middles of cells, and zeros, s the way from there to
+    `moments` (_MOMENTS + 2, n) are the coefficients around the middles of cells, and zeros, s the way from there to
     the centres. They are lost.
     """
     px, py = np.empty((order, _CHUNK)), np.empty((order, _CHUNK))
@@ -107,7 +108,7 @@ def _gather(moments, s, kx, ky, n, order, total):
         for i in range(n):
             px[p, i], py[p, i] = px[p - 1, i] * kx[i], py[p - 1, i] * ky[i]
     for p in range(order):
-        for q in range(p + 3 * ((MOMENTS + 1 - p) // 3) - 1, p, -3):  # three at a time, which is three times as fast
+        for q in range(p + 3 * ((_MOMENTS + 1 - p) // 3) - 1, p, -3):  # three at a time, which is three times as fast
             for i in range(n):
                 a = moments[q, i] + s[i] * moments[q + 1, i]
                 b = moments[q - 1, i] + s[i] * a
@@ -130,8 +131,8 @@ def _expand(ring, models, c, order, top, bottom):
     """
     cells, size, _ = ring.taps.shape
     nw, half = ring.magnitude.shape[1], size // 2
-    f, one, s = np.empty(size), np.empty(MOMENTS), np.empty(_CHUNK)
-    moments, ones = np.zeros((MOMENTS + 2, _CHUNK)), np.zeros((MOMENTS + 2, _CHUNK))
+    f, one, s = np.empty(size), np.empty(_MOMENTS), np.empty(_CHUNK)
+    moments, ones = np.zeros((_MOMENTS + 2, _CHUNK)), np.zeros((_MOMENTS + 2, _CHUNK))
     centres = ring.centre + ring.kx * c[0] + ring.ky * c[1]
     top[:] = 0.0
     bottom[:] = 0.0
@@ -144,20 +145,20 @@ def _expand(ring, models, c, order, top, bottom):
             s[i] = 2 * (centre - cell / cells) / ring.width
             nearest = cell // cells
             first, taps = nearest - half, ring.taps[cell - nearest * cells]
-            kept = models.moments[column, cell % CELLS]
-            if models.cells[column, cell % CELLS] != cell:
-                models.cells[column, cell % CELLS] = cell
+            kept = models.moments[column, cell % _CELLS]
+            if models.cells[column, cell % _CELLS] != cell:
+                models.cells[column, cell % _CELLS] = cell
                 if first < 0 or first + size >= nw:
                     _bins(ring, column, first, f)
                     _moments(f, 0, taps, kept)
                 else:
                     _moments(ring.magnitude[column], first, taps, kept)
-            for q in range(MOMENTS):
+            for q in range(_MOMENTS):
                 moments[q, i] = kept[q]
             if clipped:
                 _bins(ring, -1, first, f)
                 _moments(f, 0, taps, one)
-                ones[:MOMENTS, i] = one
+                ones[:_MOMENTS, i] = one
         kx, ky = ring.kx[start : start + n] / ring.largest, ring.ky[start : start + n] / ring.largest
         _gather(moments, s, kx, ky, n, order, top)
         if clipped:
@@ -200,15 +201,15 @@ class Models(NamedTuple):
     top: FloatArray  # (_KEPT, ORDER, ORDER)
     bottom: FloatArray
     made: IntArray  # how many, which was used last, and whether the search is lost (_score)
-    cells: IntArray  # (columns, CELLS): which one the moments are of
-    moments: FloatArray  # (columns, CELLS, MOMENTS)
+    cells: IntArray  # (columns, _CELLS): which one the moments are of
+    moments: FloatArray  # (columns, _CELLS, _MOMENTS)
 
 
 def models(columns: int) -> Models:
     """None yet."""
     return Models(np.empty((_KEPT, 2)), np.empty(_KEPT), np.empty((_KEPT, ORDER, ORDER)),
                   np.empty((_KEPT, ORDER, ORDER)), np.zeros(3, dtype=np.int64),
-                  np.full((columns, CELLS), np.iinfo(np.int64).min), np.empty((columns, CELLS, MOMENTS)))
+                  np.full((columns, _CELLS), np.iinfo(np.int64).min), np.empty((columns, _CELLS, _MOMENTS)))
 
 
 @_compiled
@@ -270,11 +271,11 @@ def principal(d):
 
 
 @_compiled
-def _ascend(ring, models, start, c, d):
+def _ascend(ring, models, start, lowest, c, d):
     """nsp._ascend from `start` to c, with the derivatives there in d: evaluations, and whether it got there.
 
     On the way an expansion is used once and small. Close to the end it is made anew, so that the derivatives are
-    those at the end itself.
+    those at the end itself; but not for a maximum clearly below the `lowest` that matters.
     """
     c[:] = start
     radius = new = _RADIUS
@@ -295,6 +296,8 @@ def _ascend(ring, models, start, c, d):
             _derivatives(ring, models, c, radius, new, d)
             return count, first <= 1e-9 * largest and second < 0
         if length < _CLOSE * ring.unit:
+            if first < 0 and d[0] < 0.999 * lowest:
+                break
             radius = _CLOSE
         new = _CLOSE if step < 1 else radius
     return count, False
@@ -349,7 +352,7 @@ def climb(ring, models, start, c, d):
                 simplex[j] = simplex[0] + 0.5 * (simplex[j] - simplex[0])
                 values[j] = -_score(ring, models, simplex[j] * unit)
             used += 2
-    steps, arrived = _ascend(ring, models, simplex[0] * unit, c, d)
+    steps, arrived = _ascend(ring, models, simplex[0] * unit, 0.0, c, d)
     return used + steps, arrived and not models.made[2]
 
 
@@ -388,8 +391,8 @@ def pool(table):
 def _drop(table, zero, columns, base, kx, ky, rest, x, y, scores, bar):
     """Add up the table for all columns at the velocities x, y, keeping those that can still reach `bar`. Their number.
 
-    Of places below the `zero`th the table has the mirror image, P(-k, -omega) = P(k, omega). `rest`: how much the columns
-    after each may add at most. x, y and scores are shortened in place.
+    Of places below the `zero`th the table has the mirror image, P(-k, -omega) = P(k, omega). `rest`: how much the
+    columns after each may add at most. x, y and scores are shortened in place.
     """
     live, last, place = x.size, np.int32(table.shape[1] - 1), np.empty(x.size, dtype=np.int32)
     zero, least = np.int32(zero), np.int32(-last if zero else 0)
@@ -419,8 +422,8 @@ def _drop(table, zero, columns, base, kx, ky, rest, x, y, scores, bar):
 def peaks(ring, order, tops, table, pooled, reach, found, best):
     """The starts of nsp.another_basin: up to six maxima of a coarse score on a lattice, strongest first, best (7, 3).
 
-    `table` holds each column's part of the score by centre, an eighth of the width apart from zero up; `pooled` (`pool`)
-    bounds the score of three by three points at once.
+    `table` holds each column's part of the score by centre, an eighth of the width apart from zero up; `pooled`
+    (`pool`) bounds the score of three by three points at once.
     """
     step, middle = ring.width / 8, table.shape[1]
     spacing = ring.width / (2 * ring.wavenumber)
@@ -478,7 +481,7 @@ def outdone(ring, models, starts, reach, score):
     """Whether from one of the starts the score rises to a higher maximum within reach."""
     c, d = np.empty(2), np.empty(6)
     for n in range(starts.shape[0]):
-        _, arrived = _ascend(ring, models, starts[n, :2], c, d)
+        _, arrived = _ascend(ring, models, starts[n, :2], score, c, d)
         if arrived and np.hypot(c[0], c[1]) <= reach and d[0] > score * (1 + 1e-9):
             return True
     return False

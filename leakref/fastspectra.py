@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache, partial
+from functools import cached_property, lru_cache
 from itertools import pairwise
 from typing import Any
 
@@ -25,7 +25,7 @@ from leakref.window import Window
 
 __all__ = ["Disc", "magnitudes"]
 
-_BLOCK = 4  # frequencies in a block of the products, so that it stays in the cache
+_BLOCK = 8  # frequencies in a block of the products, so that it stays in the cache
 _FINER, _WIDE = (5, 2), 16  # points of the lattice a bin, as a ratio, and those that a wave is spread over: to 1e-15
 _TILE = 4  # of these points, the waves of which are spread by one product
 _SHAPE = 0.976 * np.pi * _WIDE * (1 - _FINER[1] / (2 * _FINER[0]))  # of the bell
@@ -178,12 +178,12 @@ def _seen(d, w, cos, sin, on_bin, size, table_sin, table_cos):
 
 @_compiled
 def _moving(out, number, row, column, wave, whole, cos, sin, on_bin, size, first, table_sin, table_cos):
-    """The lattice of waves as seen at a `number` of frequencies from the `first`: out (rows, 2, _BLOCK, columns)."""
+    """The lattice of waves as seen at a `number` of frequencies from the `first`: out (2, rows, _BLOCK, columns)."""
     for f in range(number):
         for w in range(row.size):
             value = _seen(first + f - whole[w], w, cos, sin, on_bin, size, table_sin, table_cos)
-            out[row[w], 0, f, column[w]] = wave[w].real * value
-            out[row[w], 1, f, column[w]] = wave[w].imag * value
+            out[0, row[w], f, column[w]] = wave[w].real * value
+            out[1, row[w], f, column[w]] = wave[w].imag * value
 
 
 @_summing
@@ -225,15 +225,14 @@ def _mirror(out, here, there, stencil):
 
 
 @_summing
-def _stencil(out, centre, before, after, shift, weight, turned, is_first):
-    """weight centre + w after + w* before, for a complex w = `turned`; planar rows (2, n), neighbours `shift` bins off.
+def _stencil(out, centre, before, after, shift, weight, w, is_first):
+    """weight centre + w after + w* before, for a complex w; planar rows (2, n), neighbours `shift` bins off.
 
     The sum begins with the first neighbours; bins without a neighbour are left alone.
     """
-    real, imaginary = turned
     for m in range(shift, out.shape[1] - shift):
-        re = real * (after[0, m + shift] + before[0, m - shift]) - imaginary * (after[1, m + shift] - before[1, m - shift])
-        im = real * (after[1, m + shift] + before[1, m - shift]) + imaginary * (after[0, m + shift] - before[0, m - shift])
+        a, b, c, d = after[0, m + shift], before[0, m - shift], after[1, m + shift], before[1, m - shift]
+        re, im = w.real * (a + b) - w.imag * (c - d), w.real * (c + d) + w.imag * (a - b)
         if is_first:
             re, im = re + weight * centre[0, m], im + weight * centre[1, m]
         else:
@@ -242,14 +241,14 @@ def _stencil(out, centre, before, after, shift, weight, turned, is_first):
 
 
 @_compiled
-def _taper(values, rows, extent, lines, phases, magnitude):
+def _taper(values, rows, extent, lines, magnitude):
     """|S| of one row of bins under a window, (2 extent + 1, nw), from box values (slot, j, 2, nw + 2 pad), planar.
 
-    The window is a stencil over h bins on either side along each axis (window.Window): `lines` (h + 1,) are its
-    weights; `phases` (3,) what a bin's common phase (_Axis) changes by from one bin to the next. `rows`: the slots of
-    the row and of those around it.
+    The window is a stencil over h bins on either side along each axis (window.Window): `lines` (3, h + 1) are its
+    weights for the next bins along each axis, turned by what a bin's common phase (_Axis) changes by. `rows`: the slots
+    of the row and of those around it.
     """
-    h, middle, nw, around = lines.size - 1, values.shape[1] // 2, magnitude.shape[1], rows.size // 2
+    h, middle, nw, around = lines.shape[1] - 1, values.shape[1] // 2, magnitude.shape[1], rows.size // 2
     pad = (values.shape[3] - nw) // 2
     along = np.empty((2 * (extent + h) + 1, 2, values.shape[3]))
     both, last = np.empty((2, values.shape[3])), np.empty((2, values.shape[3]))
@@ -257,15 +256,14 @@ def _taper(values, rows, extent, lines, phases, magnitude):
         at = middle - extent - h + j
         for n in range(1, h + 1):
             _stencil(along[j], values[rows[around], at], values[rows[around - n], at], values[rows[around + n], at], 0,
-                     lines[0], (lines[n] * np.cos(n * phases[0]), lines[n] * np.sin(n * phases[0])), n == 1)
+                     lines[0, 0].real, lines[0, n], n == 1)
     for j in range(2 * extent + 1):
         if h:
             for n in range(1, h + 1):
-                _stencil(both, along[j + h], along[j + h - n], along[j + h + n], 0, lines[0],
-                         (lines[n] * np.cos(n * phases[1]), lines[n] * np.sin(n * phases[1])), n == 1)
+                _stencil(both, along[j + h], along[j + h - n], along[j + h + n], 0,
+                         lines[1, 0].real, lines[1, n], n == 1)
             for n in range(1, h + 1):
-                _stencil(last, both, both, both, n, lines[0],
-                         (lines[n] * np.cos(n * phases[2]), lines[n] * np.sin(n * phases[2])), n == 1)
+                _stencil(last, both, both, both, n, lines[2, 0].real, lines[2, n], n == 1)
         seen, out = last if h else values[rows[around], middle - extent + j], magnitude[j]
         for m in range(nw):
             out[m] = np.sqrt(seen[0, pad + m] ** 2 + seen[1, pad + m] ** 2)
@@ -279,8 +277,8 @@ def _rows_and_columns(components: Components) -> tuple[Any, Any, bool]:
 
 
 def _placed(components: Components, x: _Axis, y: _Axis, extents: IntArray) -> tuple[Any, ...]:
-    """The kernels of a lattice, (i, rows) and (j, columns), and where on it the waves are: rows, columns, parts on those
-    that follow if they are spread, factors; and whether they are too few for that and each has its own row and column.
+    """The kernels of a lattice, (i, rows) and (j, columns); of the waves the rows, the columns, the parts if they are
+    spread, and the factors; and whether they are too few for that and each has its own row and column.
     """
     i, j = (np.arange(-m, m + 1) for m in (extents.size // 2, int(extents.max())))
     a, b, is_lattice = _rows_and_columns(components)
@@ -307,21 +305,21 @@ def _along(kernel_x: FloatArray, place: tuple[IntArray, IntArray, int], parts: S
         np.sin(band.angles), np.cos(band.angles))
     both = (0, band.near, near), (band.near, band.angles.size, far)
     if parts:
-        seen, lattice = np.empty((wave.size, 2, count, 1)), np.zeros((kernel_x.shape[1], columns, 2 * count))
+        seen, lattice = np.empty((2, wave.size, count, 1)), np.zeros((kernel_x.shape[1], columns, 2 * count))
         for begin, total, (waves, first, tables) in both:
             _moving(seen[:, :, begin:], total, np.arange(wave.size), 0 * row, wave, *waves, first, *tables)
         ends = np.flatnonzero(np.diff(row // _TILE * columns + column // _TILE, append=-1)) + 1
-        _spreading(lattice, ends, row, column, *parts, seen.reshape(-1, 2 * count))
+        _spreading(lattice, ends, row, column, *parts, np.concatenate(seen[..., 0], axis=1))
         return (kernel_x @ lattice.reshape(len(lattice), -1)).reshape(-1, columns, 2 * count).transpose(0, 2, 1)
     along = np.empty((1 if are_few else len(kernel_x), 2, count, columns))
-    block = np.zeros((1 if are_few else kernel_x.shape[1], 2, _BLOCK, columns))
+    block = np.zeros((2, 1 if are_few else kernel_x.shape[1], _BLOCK, columns))
     for begin, total, (waves, first, tables) in both:
         for start in range(0, total, _BLOCK):
             size = min(_BLOCK, total - start)
             _moving(block, size, row, column, wave, *waves, first + start, *tables)
             at = slice(begin + start, begin + start + size)
             for p in range(2):
-                flat = block[:, p, :size].reshape(len(block), -1)
+                flat = block[p, :, :size].reshape(block.shape[1], -1)
                 along[:, p, at] = (flat if are_few else kernel_x @ flat).reshape(-1, size, columns)
     return along.reshape(-1, 2 * count, columns)
 
@@ -365,9 +363,9 @@ def _seen_under(sums: list[Window], components: Components, grid: Grid, disc: Di
     extents, ends = disc.extents(stencil), np.searchsorted(i, np.arange(i.min(), i.max() + 2))
     outermost, middle, slots = int(i.max()), int(extents.max()), 2 * stencil + 1
     phases = np.pi / np.array([grid.shape[0], grid.shape[1], -grid.shape[2]])
-    lines = {w.name: np.array([w.coefficients[0], *(a / 2 * (-1) ** n for n, a in enumerate(w.coefficients) if n)])
-             for w in sums}
-    found = {w.name: np.empty((i.size, grid.shape[2] // 2 + 1)) for w in sums}
+    lines = {w.name: np.array([a * (-1) ** n / (1 + (n > 0)) * np.exp(1j * n * phases)
+                               for n, a in enumerate(w.coefficients)]).T.copy() for w in sums}
+    found: dict[str, FloatArray] = {w.name: np.empty((i.size, grid.shape[2] // 2 + 1)) for w in sums}
     values = np.empty((2 * slots, 2 * middle + 1, 2, grid.shape[2] // 2 + 1 + 2 * stencil))
 
     def kept(r: int) -> int:
@@ -382,7 +380,7 @@ def _seen_under(sums: list[Window], components: Components, grid: Grid, disc: Di
             a, b = ends[outermost + row], ends[outermost + row + 1]
             around = np.array([kept(row + n) for n in range(-stencil, stencil + 1)])
             for name, seen in found.items():
-                _taper(values, around, (b - a) // 2, lines[name], phases, seen[a:b])
+                _taper(values, around, (b - a) // 2, lines[name], seen[a:b])
     return found
 
 
