@@ -71,7 +71,7 @@ def _bins(ring, column, m, out):
 
 
 def hermite(width: float, half: int) -> FloatArray:
-    """exp(-u^2 / 2) He_q(u) / q! at bins u, in standard deviations, from a cell's middle: (cells, 2 half + 1, _MOMENTS).
+    """exp(-u^2 / 2) He_q(u) / q! at bins u, in deviations, from a cell's middle: (cells, 2 half + 1, _MOMENTS).
 
     The Gaussian at u - t is the sum over q of t^q times these. A cell is at most a quarter of the width.
     """
