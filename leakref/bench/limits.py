@@ -10,13 +10,23 @@ from time import perf_counter
 import numpy as np
 
 from leakref import runs
-from leakref.fast.spectra import Disc, _Axis, _Band
+from leakref.fast.spectra import _WIDE, Disc, _Axis, _Band, _placed
 from leakref.grid import Grid
 from leakref.sea import Components
 from leakref.shell import HALF_WIDTH
 
-__all__ = ["MATRIX", "MATRIX_ONE", "MEMORY", "Machine", "closed_form_products", "fast_products", "fft_traffic",
-           "magnitudes_traffic", "seconds", "synthesis_products"]
+__all__ = [
+    "MATRIX",
+    "MATRIX_ONE",
+    "MEMORY",
+    "Machine",
+    "closed_form_products",
+    "fast_products",
+    "fft_traffic",
+    "magnitudes_traffic",
+    "seconds",
+    "synthesis_products",
+]
 
 MATRIX, MATRIX_ONE, MEMORY = "matrix product", "matrix product, one thread", "memory"
 
@@ -46,8 +56,13 @@ class Machine:
         together = n**3 / seconds(lambda: a @ b, 5)
         with runs.one_thread():
             alone = n**3 / seconds(lambda: a @ b, 5)
-        return cls({MATRIX: together, MATRIX_ONE: alone,
-                    MEMORY: 2 * source.nbytes / seconds(lambda: np.copyto(target, source), 5)})
+        return cls(
+            {
+                MATRIX: together,
+                MATRIX_ONE: alone,
+                MEMORY: 2 * source.nbytes / seconds(lambda: np.copyto(target, source), 5),
+            }
+        )
 
     def share(self, limit: str, asked: float, time: float) -> float:
         """The part of a limit that is reached when `asked` operations or bytes take `time` seconds."""
@@ -82,13 +97,18 @@ def closed_form_products(waves: Components, grid: Grid, reach: float, windows: i
 
 def fast_products(waves: Components, grid: Grid, reach: float, stencil: int = 1) -> float:
     """Real multiply-adds of `fast.realize`, as `fast.spectra` arranges them: all windows come from one pass."""
-    rows, columns = _lattice(waves)
     extents = Disc(grid, reach).extents(stencil)
-    band = _Band(_Axis(waves.omega / grid.frequency_resolution, grid.shape[2]), stencil)
-    nodes, count = band.angles.size, band.near + band.angles.size
-    cells, wide = int(np.sum(2 * extents + 1)), extents.size
-    along_x = 2 * wide * rows * columns * count if rows > 1 else 0
-    return float(along_x + 2 * cells * columns * count + 2 * cells * nodes * band.matrix.shape[1])
+    x, y, t = (
+        _Axis(k / dk, size)
+        for k, dk, size in zip((waves.kx, waves.ky, waves.omega), grid.bin_widths, grid.shape, strict=True)
+    )
+    kernel_x, kernel_y, _, _, parts, _, are_few = _placed(waves, x, y, extents)
+    (wide, rows), columns = kernel_x.shape, kernel_y.shape[1]
+    band = _Band(t, stencil)
+    nodes, count, cells = band.angles.size, band.near + band.angles.size, int(np.sum(2 * extents + 1))
+    spread = 2 * waves.kx.size * _WIDE**2 * count if parts else 0
+    along_x = 0 if are_few else 2 * wide * rows * columns * count
+    return float(spread + along_x + 2 * cells * columns * count + 2 * cells * nodes * band.matrix.shape[1])
 
 
 def magnitudes_traffic(grid: Grid, wavenumbers: np.ndarray) -> float:

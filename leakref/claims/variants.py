@@ -94,11 +94,11 @@ _CONSTANT = "clipped = ring.width < DENSE or np.abs(centres).max() > nw - 3 - ha
 _COLUMNS = "        kx, ky = ring.kx[start : start + n] / ring.largest, ring.ky[start : start + n] / ring.largest\n"
 _MEASURED = """        for i in range(n):
             k = np.hypot(ring.kx[start + i], ring.ky[start + i])
-            for pulse in (pulses[i], ones[i]):
-                pulse *= ring.wavenumber / k if k > 0 else 0.0
+            for sums in (moments, ones):
+                sums[:, i] *= ring.wavenumber / k if k > 0 else 0.0
 """
 _POLISH = "_ascend(shell, fit.x * unit, width, unit)"
-_CLIMB = "steps, arrived = _ascend(ring, models, simplex[0] * unit, c, d)"
+_CLIMB = "steps, arrived = _ascend(ring, models, simplex[0] * unit, 0.0, c, d)"
 _NORM = "ring.columns.size * self.weight.sum() / self.sums[ring.columns].sum()"
 _SEEN = "_Seen(disc, name, magnitude, rings)"
 _LOW = "np.ascontiguousarray(magnitude[:, grid.bins(2) * grid.frequency_resolution <= 3 + 1e-9])"
@@ -127,7 +127,7 @@ VARIANTS: dict[str, Variant] = {v.id: v for v in (
              Change("fast", "self.even, m = grid.frequency_resolution, grid.shape[2] % 2 == 0, grid.bins(2)",
                     "self.even, m = grid.frequency_resolution, False, grid.bins(2)[: magnitude.shape[1]]"),
              Change("fast", "ring.centre, self.disc.grid.bins(2))", "ring.centre, np.arange(self.magnitude.shape[1]))"),
-             Change("fast", "grid.shape[2] % 2 == 0, taps, powers", "False, taps, powers"))),
+             Change("fast", "grid.shape[2] % 2 == 0, taps, binomials", "False, taps, binomials"))),
     Variant("whole-weights", "D5", "weight 1, not 1/2, on omega = 0 and the Nyquist plane",
             _one("spectrum", "np.where((m == 0) | (2 * m == self.grid.shape[2]), 0.5, 1.0)", "np.ones(m.size)"),
             (Change("fast", "np.where((m == 0) | (2 * m == grid.shape[2]), 0.5, 1.0)", "np.ones(m.size)"),

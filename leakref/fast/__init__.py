@@ -10,24 +10,25 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property, lru_cache
-from math import comb, factorial
+from math import comb
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from leakref import leakage, leastsquares, nsp
-from leakref._base import FloatArray, LeakrefError, positive
+from leakref._base import FloatArray, IntArray, LeakrefError, positive
 from leakref.dispersion import Water
 from leakref.fast.score import (
     DENSE,
-    KEPT,
     ORDER,
+    PLACES,
     POOL,
-    Models,
     Ring,
     climb,
+    hermite,
     least_squares,
+    models,
     only_leaked,
     outdone,
     peaks,
@@ -61,6 +62,7 @@ __all__ = ["realize"]
 
 _Found = dict[tuple[str, str], Extraction]
 """By window and method."""
+_ROWS = 256  # of columns at a time, so that they stay in the cache
 _CUT = 4.25  # widths, where the Gaussian ends: 1e-15 of it is left
 
 
@@ -68,6 +70,20 @@ _CUT = 4.25  # widths, where the Gaussian ends: 1e-15 of it is left
 def _lobes(window: str, size: int) -> FloatArray:
     """Window.sidelobe_envelope at every distance modulo `size`, (size,): the same for all realisations."""
     return named_window(window).sidelobe_envelope(np.arange(size), size)
+
+
+def _pad(width: float) -> int:
+    """Bins on either side of a Gaussian's centre."""
+    return int(np.ceil(_CUT * width)) + 1
+
+
+@lru_cache(maxsize=32)
+def _gaussians(width: float, blocks: int) -> tuple[IntArray, npt.NDArray[np.float32]]:
+    """Gaussians around `blocks` of places, (blocks, bins, PLACES), and `_pad` past the first bin of each (blocks,)."""
+    centres = np.arange(blocks * PLACES).reshape(blocks, PLACES) * (width / 8)
+    low, pad = centres[:, 0].astype(np.int64), _pad(width)
+    bins = low[:, None] - pad + np.arange(2 * pad + 2 + int(PLACES * width / 8))
+    return low, np.exp(-2 * ((bins[:, :, None] - centres[:, None]) / width) ** 2).astype(np.float32)
 
 
 class _Seen:
@@ -82,20 +98,31 @@ class _Seen:
         self.sums, self.largest = magnitude @ self.weight, magnitude.max(axis=1)
         self.strongest = int(self.largest.argmax())
         at = [*(int(bins[self.strongest]) for bins in disc.bins), int(magnitude[self.strongest].argmax())]
-        x, y, self.along = (np.stack([lobes[(bins - n) % lobes.size], lobes[(bins + n) % lobes.size]])  # wave, mirror
-                            for lobes, bins, n in zip(map(_lobes, 3 * [window], grid.shape), (*disc.bins, m), at,
-                                                      strict=True))
+        x, y, self.along = (
+            np.stack([lobes[(bins - n) % lobes.size], lobes[(bins + n) % lobes.size]])  # wave, mirror
+            for lobes, bins, n in zip(map(_lobes, 3 * [window], grid.shape), (*disc.bins, m), at, strict=True)
+        )
         self.across = self.largest[self.strongest] * x * y
-        self.models = Models(np.empty((KEPT, 2)), np.empty((KEPT, ORDER, ORDER)),
-                              np.empty((KEPT, ORDER, ORDER)), np.zeros(3, dtype=np.int64))
+        self.models = models(self.largest.size)
 
     def _shell(self, ring: Ring) -> Shell:
         """As shell.shell_at makes it."""
         floor = None if (ring.columns == self.strongest).any() else self.across[:, ring.columns].T @ self.along
-        kx, ky, intrinsic, omega = (bins * self.step
-                                    for bins in (ring.kx, ring.ky, ring.centre, self.disc.grid.bins(2)))
-        return Shell(ring.wavenumber * self.step, ring.frequency * self.step, kx, ky, intrinsic, omega, self.weight,
-                     self.magnitude[ring.columns], floor, False)
+        kx, ky, intrinsic, omega = (
+            bins * self.step for bins in (ring.kx, ring.ky, ring.centre, self.disc.grid.bins(2))
+        )
+        return Shell(
+            ring.wavenumber * self.step,
+            ring.frequency * self.step,
+            kx,
+            ky,
+            intrinsic,
+            omega,
+            self.weight,
+            self.magnitude[ring.columns],
+            floor,
+            False,
+        )
 
     def _is_empty(self, ring: Ring) -> bool:
         return not self.largest[ring.columns].max() > _ROUNDING * self.largest[self.strongest]
@@ -111,17 +138,25 @@ class _Seen:
         reach = min(nsp._REACH * ring.unit, top / ring.wavenumber)
         beyond, stiff, soft = np.hypot(*velocity) > reach, -principal(d)[1], -principal(d)[0]
         centres = ring.centre + ring.kx * velocity[0] + ring.ky * velocity[1]
-        if not arrived or (beyond and (soft <= nsp.UNKNOWN * stiff
-                                       or nsp.leaves_the_band(centres, self.magnitude.shape[1] - 1))):
+        if not arrived or (
+            beyond and (soft <= nsp.UNKNOWN * stiff or nsp.leaves_the_band(centres, self.magnitude.shape[1] - 1))
+        ):
             return nsp.optimum(self._shell(ring), self.width * self.step, ring.unit, search=search)  # rare
         score = d[0]
         d *= ring.columns.size * self.weight.sum() / self.sums[ring.columns].sum()
         note = nsp.remarks(ring.columns.size, soft, score, ring.unit, bool(beyond))
         if only_leaked(ring, self.strongest, velocity, 0.0, self.across, self.along):
             note |= Note.LEAKAGE_FLOOR
-        if search and reach > 0 and (
-                self._another_basin(ring, velocity, score, reach) if self.width >= DENSE else  # the table wants it so
-                nsp.another_basin(self._shell(ring), velocity, float(d[0]), self.width * self.step, ring.unit)):
+        if (
+            search
+            and reach > 0
+            and (
+                self._another_basin(ring, velocity, score, reach)
+                if self.width >= DENSE
+                # the table wants it so
+                else nsp.another_basin(self._shell(ring), velocity, float(d[0]), self.width * self.step, ring.unit)
+            )
+        ):
             note |= Note.ANOTHER_BASIN
         return Optimum(velocity, float(d[0]), d[1:3].copy(), d[[3, 4, 4, 5]].reshape(2, 2), int(used), note)
 
@@ -135,24 +170,24 @@ class _Seen:
 
     @cached_property
     def _table(self) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32], FloatArray]:
-        """Each column's part of the score by the centre of the Gaussian, from -p to p eighths of the width.
+        """Each column's part of the score by the centre of the Gaussian, from 0 up in eighths of the width; and `pool`.
 
-        Also its largest values nearby, and at all (pool). In single precision: it only chooses starts.
+        In single precision: it only chooses starts.
         """
-        eighth, (n, nw) = self.width / 8, self.magnitude.shape
-        p, pad = int(self.furthest / eighth) + 2 + POOL, int(np.ceil(_CUT * self.width)) + 1
-        f = np.zeros((n, pad + max(nw, int(p * eighth) + 2 + pad)), dtype=np.float32)
-        f[:, pad : pad + nw] = self.magnitude
+        blocks, gaussians = _gaussians(self.width, int((self.furthest * 8 / self.width + 2 + POOL) / PLACES) + 1)
+        (n, nw), pad = self.magnitude.shape, _pad(self.width)
         below = min(pad, nw - 1)  # negative frequencies, of which a short video has fewer than the Gaussian is wide
-        f[:, pad - below : pad] = self.magnitude[::-1, below:0:-1]
-        if self.even:
-            f[:, [pad + nw - 1, max(pad - nw + 1, 0)][: 1 + (below == nw - 1)]] *= 0.5
-        table = np.empty((n, 2 * p + 1), dtype=np.float32)
-        for a in range(0, p + 1, 32):
-            centres = np.arange(a, min(a + 32, p + 1)) * eighth
-            low, high = int(centres[0]), int(centres[-1]) + 2 * pad
-            g = np.exp(-2 * ((np.arange(low, high + 1)[:, None] - pad - centres) / self.width) ** 2)
-            np.matmul(f[:, low : high + 1], g.astype(np.float32), out=table[:, p + a : p + a + centres.size])
+        table = np.empty((n, len(blocks) * PLACES), dtype=np.float32)
+        f = np.zeros((_ROWS, pad + max(nw, blocks[-1] + gaussians.shape[1])), dtype=np.float32)
+        for start in range(0, n, _ROWS):
+            end = min(start + _ROWS, n)
+            here = f[: end - start]
+            here[:, pad : pad + nw] = self.magnitude[start:end]
+            here[:, pad - below : pad] = self.magnitude[n - end : n - start][::-1, below:0:-1]
+            if self.even:
+                here[:, [pad + nw - 1, max(pad - nw + 1, 0)][: 1 + (below == nw - 1)]] *= 0.5
+            for block, (low, g) in enumerate(zip(blocks, gaussians, strict=True)):
+                np.matmul(here[:, low : low + len(g)], g, out=table[start:end, block * PLACES : (block + 1) * PLACES])
         return table, *pool(table)
 
     def ls(self, ring: Ring, *, threshold: float, **_: object) -> Optimum:
@@ -171,18 +206,28 @@ class _Seen:
         return Optimum(out[:2], float(out[2]), 2 * out[6:], 2 * out[[3, 4, 4, 5]].reshape(2, 2), 0, note)
 
 
-def _rings(disc: Disc, wavenumbers: FloatArray, water: Water, peak_wavenumber: float | None, width: float,
-           half_width: float) -> list[Ring]:
-    """The shells, still without magnitudes. Raises LeakrefError as shell.shell_at does."""
-    grid, step = disc.grid, disc.grid.frequency_resolution
+@lru_cache(maxsize=8)
+def _rings(
+    grid: Grid,
+    radius: float,
+    wavenumbers: tuple[float, ...],
+    water: Water,
+    peak_wavenumber: float | None,
+    width: float,
+    half_width: float,
+) -> tuple[Disc, list[Ring]]:
+    """The bins, and the shells, still without magnitudes: the same for all realisations.
+
+    Raises LeakrefError as shell.shell_at does.
+    """
+    disc, step = Disc(grid, radius), grid.frequency_resolution
     dk, nyquist = grid.wavenumber_resolution, min(grid.nyquist[:2])
     kx, ky = (bins * spacing for bins, spacing in zip(disc.bins, grid.bin_widths, strict=False))
     k = np.hypot(kx, ky)
     centre = water.frequency(k) / step
-    half, orders = int(np.ceil(_CUT * width)), range(ORDER)
-    u = 2 / width * np.arange(-half, half + 1)
-    taps, powers = np.exp(-(u**2) / 2), np.array([u**p / factorial(p) for p in orders])
-    binomials = np.array([[float(comb(q + p, p)) for p in orders] for q in orders])
+    half = int(np.ceil(_CUT * width))
+    taps = hermite(width, half + (2 - half) % 5)  # a number of them that five divides
+    binomials = np.array([[float(comb(q + p, p)) for p in range(ORDER)] for q in range(ORDER)])
     rings = []
     for k_i in wavenumbers:
         columns = np.flatnonzero(np.abs(k - k_i) / dk <= half_width + EDGE_MARGIN)
@@ -190,33 +235,67 @@ def _rings(disc: Disc, wavenumbers: FloatArray, water: Water, peak_wavenumber: f
             empty = Spectrum(grid, "box", grid.bins(0), grid.bins(1), np.empty((0, 0, 0), dtype=np.complex128))
             shell_at(empty, k_i, water=water, half_width=half_width)  # which says what is wrong
         unit = velocity_unit(float(k_i), water, peak_wavenumber)
-        rings.append(Ring(np.empty((0, 0)), columns, kx[columns] / step, ky[columns] / step, centre[columns],
-                           float(k[columns].max()) / step, float(k_i) / step, float(water.frequency(k_i)) / step, unit,
-                           float(width),
-                           grid.shape[2] % 2 == 0, taps, powers, binomials))
-    return rings
+        rings.append(
+            Ring(
+                np.empty((0, 0)),
+                columns,
+                kx[columns] / step,
+                ky[columns] / step,
+                centre[columns],
+                float(k[columns].max()) / step,
+                float(k_i) / step,
+                float(water.frequency(k_i)) / step,
+                unit,
+                float(width),
+                grid.shape[2] % 2 == 0,
+                taps,
+                binomials,
+            )
+        )
+    return disc, rings
 
 
 _TWINS: dict[str, Callable[..., Optimum]] = {"nsp": _Seen.nsp, "ls": _Seen.ls}
 """Of the methods that are compiled here; all others are asked as they are."""
 
 
-def _plainly(components: Components, grid: Grid, wavenumbers: FloatArray, windows: Sequence[str],
-             methods: Sequence[Method], settings: Mapping[str, Any], **shells: Any) -> _Found:
+def _plainly(
+    components: Components,
+    grid: Grid,
+    wavenumbers: FloatArray,
+    windows: Sequence[str],
+    methods: Sequence[Method],
+    settings: Mapping[str, Any],
+    **shells: Any,
+) -> _Found:
     """`realize` by the reference itself."""
     spectra = {name: leakage.spectrum(components, grid, name) for name in windows} if methods else {}
-    return {(name, method.id): method.extract(spectra[name], wavenumbers, **shells, **_own(method, settings))
-            for name in windows for method in methods}
+    return {
+        (name, method.id): method.extract(spectra[name], wavenumbers, **shells, **_own(method, settings))
+        for name in windows
+        for method in methods
+    }
 
 
 def _own(method: Method, settings: Mapping[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in settings.items() if name in method.settings}
 
 
-def realize(components: Components, grid: Grid, wavenumbers: npt.ArrayLike, *,
-            windows: Sequence[str] = ("box", "hann"), methods: Sequence[str] = ("nsp", "ls"), gravity: float = 1.0,
-            water: Water | None = None, peak_wavenumber: float | None = 1.0, width: float = nsp.WIDTH,
-            half_width: float = HALF_WIDTH, threshold: float = THRESHOLD, search: bool = True) -> _Found:
+def realize(
+    components: Components,
+    grid: Grid,
+    wavenumbers: npt.ArrayLike,
+    *,
+    windows: Sequence[str] = ("box", "hann"),
+    methods: Sequence[str] = ("nsp", "ls"),
+    gravity: float = 1.0,
+    water: Water | None = None,
+    peak_wavenumber: float | None = 1.0,
+    width: float = nsp.WIDTH,
+    half_width: float = HALF_WIDTH,
+    threshold: float = THRESHOLD,
+    search: bool = True,
+) -> _Found:
     """What `chain.analyse` reports of these waves under every (window, method): velocities to 1e-11, and all notes.
 
     Settings as in `nsp.extract` and `leastsquares.extract`. `evaluations` are those of this way of climbing; the
@@ -226,8 +305,9 @@ def realize(components: Components, grid: Grid, wavenumbers: npt.ArrayLike, *,
     k = checked_wavenumbers(wavenumbers, "realize")
     positive("realize", gravity=gravity, width=width, half_width=half_width, peak_wavenumber=peak_wavenumber or 1.0)
     if not 0 < threshold <= 1:
-        raise LeakrefError("realize", f"threshold = {threshold}",
-                           "give a part of the largest power, above 0 and at most 1")
+        raise LeakrefError(
+            "realize", f"threshold = {threshold}", "give a part of the largest power, above 0 and at most 1"
+        )
     water = water or Water(gravity)
     settings = {"peak_wavenumber": peak_wavenumber, "width": width, "search": search, "threshold": threshold}
     dk, inside = grid.wavenumber_resolution, min(grid.nyquist[:2]) * (1 - EDGE_MARGIN)
@@ -238,8 +318,8 @@ def realize(components: Components, grid: Grid, wavenumbers: npt.ArrayLike, *,
     compiled = [record for record in records if record not in plain]
     if compiled:
         outermost = float(k.max() + half_width * dk)
-        disc = Disc(grid, min(max(outermost, waves), inside) + EDGE_MARGIN * dk)
-        rings = _rings(disc, k, water, peak_wavenumber, width, half_width)
+        radius = min(max(outermost, waves), inside) + EDGE_MARGIN * dk
+        disc, rings = _rings(grid, radius, tuple(k.tolist()), water, peak_wavenumber, width, half_width)
         for name, magnitude in magnitudes(components, grid, tapers, disc).items():
             seen = _Seen(disc, name, magnitude, rings)
             for record in compiled:

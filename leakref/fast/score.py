@@ -16,17 +16,35 @@ import numpy as np
 from leakref._base import FloatArray, IntArray
 from leakref._caches import njit
 
-__all__ = ["DENSE", "KEPT", "ORDER", "POOL", "Models", "Ring", "climb", "least_squares", "only_leaked", "outdone",
-           "peaks", "pool", "principal"]
+__all__ = [
+    "DENSE",
+    "ORDER",
+    "PLACES",
+    "POOL",
+    "Models",
+    "Ring",
+    "climb",
+    "hermite",
+    "least_squares",
+    "models",
+    "only_leaked",
+    "outdone",
+    "peaks",
+    "pool",
+    "principal",
+]
 
 ORDER = 12  # of an expansion of the score: powers of the velocity below it
+_MOMENTS = 16  # of a column around the middle of a cell: to rounding within the cell, to 2e-11 another _RADIUS away
+_CELLS = 16  # of each column whose moments are remembered
 _RADIUS = 0.3  # how far an expansion holds, to 2e-11, in standard deviations of the Gaussian
 _CLOSE = 1e-4  # the same for one of order 4, to rounding; and the step in c0 after which Newton's method asks for one
 DENSE = 3.0  # bins: from this width on the sampled Gaussian has a constant sum
 _LOST = 1e-3  # what is left of G, below which the tails that `_CUT` cuts would decide
 _CHUNK = 64  # columns at a time
-KEPT = 64  # expansions of one shell
+_KEPT = 64  # expansions of one shell
 POOL = 8  # places of the table of scores, an eighth of the width each
+PLACES = 32  # in a block of them
 
 _compiled: Any = njit(nogil=True, error_model="numpy")
 _summing: Any = njit(nogil=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
@@ -46,8 +64,7 @@ class Ring(NamedTuple):
     unit: float  # c0
     width: float
     even: bool  # whether the last bin is the Nyquist frequency, half of it a mirror image
-    taps: FloatArray  # exp(-2 (j / width)^2), (2 half + 1,)
-    powers: FloatArray  # (2 j / width)^p / p!, (ORDER, 2 half + 1)
+    taps: FloatArray  # see `hermite`, (cells in a bin, 2 half + 1, _MOMENTS)
     binomials: FloatArray  # (ORDER, ORDER)
 
 
@@ -69,86 +86,100 @@ def _bins(ring, column, m, out):
                 out[j] *= 0.5
 
 
-@_summing
-def _pulse(f, d, ring, out):
-    """f_j exp(-2 ((j - d) / width)^2) over bins j = -half ... half, out (2 half + 1,)."""
-    size, s = f.size, 2 * d / ring.width
-    ratio, out[0], filled = np.exp(2 * s / ring.width), np.exp(-s * (s / 2 + (size // 2) * 2 / ring.width)), 1
-    while filled < size:  # powers by doubling
-        for j in range(min(filled, size - filled)):
-            out[filled + j] = out[j] * ratio
-        ratio *= ratio
-        filled *= 2
-    for j in range(size):
-        out[j] *= f[j] * ring.taps[j]
+def hermite(width: float, half: int) -> FloatArray:
+    """exp(-u^2 / 2) He_q(u) / q! at bins u, in deviations, from a cell's middle: (cells, 2 half + 1, _MOMENTS).
+
+    The Gaussian at u - t is the sum over q of t^q times these. A cell is at most a quarter of the width.
+    """
+    cells = max(1, int(np.ceil(4 / width - 1e-9)))
+    u = 2 / width * (np.arange(-half, half + 1) - np.arange(cells)[:, None] / cells)
+    values = [np.exp(-(u**2) / 2), u * np.exp(-(u**2) / 2)]
+    for q in range(2, _MOMENTS):
+        values.append((u * values[-1] - values[-2]) / q)
+    return np.ascontiguousarray(np.stack(values, axis=-1))
 
 
 @_summing
-def _gather(pulses, s, kx, ky, powers, order, total):
+def _moments(f, first, taps, out):
+    """Sums of f[first + j] times each of taps[j], (n, _MOMENTS), five rows at a time to keep them in registers."""
+    out[:] = 0.0
+    for j in range(0, taps.shape[0], 5):
+        a, b, c, d, e = f[first + j], f[first + j + 1], f[first + j + 2], f[first + j + 3], f[first + j + 4]
+        for q in range(_MOMENTS):
+            out[q] += (
+                (a * taps[j, q] + b * taps[j + 1, q]) + (c * taps[j + 2, q] + d * taps[j + 3, q]) + e * taps[j + 4, q]
+            )
+
+
+@_summing
+def _gather(moments, s, kx, ky, n, order, total):
     """Add to total[q, p] the sums over columns of kx^q ky^p times the coefficient of t^(q + p), q + p < `order`.
 
-    The Gaussian at distance u - s - t from its centre, in standard deviations, is that at u - s times
-    exp(u t) exp(-s t - t^2 / 2): moments of the pulses, times Hermite polynomials of s.
+    `moments` (_MOMENTS + 2, n) are the coefficients around the middles of cells, and zeros, s the way from there to
+    the centres. They are lost.
     """
-    n = s.size
-    moments, hermite, series = np.empty((order, n)), np.empty((order, n)), np.empty((order, n))
-    px, py = np.empty((order, n)), np.empty((order, n))
-    np.dot(powers[:order], pulses.T, moments)
+    px, py = np.empty((order, _CHUNK)), np.empty((order, _CHUNK))
     for i in range(n):
-        hermite[0, i] = px[0, i] = py[0, i] = 1.0
-        hermite[1, i], px[1, i], py[1, i] = -s[i], kx[i], ky[i]
-    for p in range(2, order):
+        px[0, i] = py[0, i] = 1.0
+    for p in range(1, order):
         for i in range(n):
-            hermite[p, i] = -(s[i] * hermite[p - 1, i] + hermite[p - 2, i]) / p
             px[p, i], py[p, i] = px[p - 1, i] * kx[i], py[p - 1, i] * ky[i]
     for p in range(order):
-        for i in range(n):
-            series[p, i] = moments[p, i]
-        for q in range(1, p + 1):
+        for q in range(p + 3 * ((_MOMENTS + 1 - p) // 3) - 1, p, -3):  # three at a time, which is three times as fast
             for i in range(n):
-                series[p, i] += hermite[q, i] * moments[p - q, i]
+                a = moments[q, i] + s[i] * moments[q + 1, i]
+                b = moments[q - 1, i] + s[i] * a
+                moments[q, i], moments[q - 1, i], moments[q - 2, i] = a, b, moments[q - 2, i] + s[i] * b
     for q in range(order):
         for p in range(order - q):
             part = 0.0
             for i in range(n):
-                part += px[q, i] * py[p, i] * series[q + p, i]
+                part += px[q, i] * py[p, i] * moments[q + p, i]
             total[q, p] += part
 
 
 @_compiled
-def _expand(ring, c, order, top, bottom):
+def _expand(ring, models, c, order, top, bottom):
     """Numerator and denominator of N around the velocity c: coefficients of x^q y^p, (ORDER, ORDER) each.
 
     x and y are the change of velocity times 2 largest / width; terms of `order` and beyond are left out. Away from
-    the Nyquist frequency the denominator is constant to rounding, since the Gaussian is sampled densely.
+    the Nyquist frequency the denominator is constant to rounding, since the Gaussian is sampled densely. The moments
+    of a column around the middle of a cell serve every expansion of every shell that comes by.
     """
-    size, nw = ring.taps.size, ring.magnitude.shape[1]
-    half = size // 2
-    f, pulses, ones = np.empty(size), np.empty((_CHUNK, size)), np.empty((_CHUNK, size))
-    s, centres = np.empty(_CHUNK), ring.centre + ring.kx * c[0] + ring.ky * c[1]
+    cells, size, _ = ring.taps.shape
+    nw, half = ring.magnitude.shape[1], size // 2
+    f, one, s = np.empty(size), np.empty(_MOMENTS), np.empty(_CHUNK)
+    moments, ones = np.zeros((_MOMENTS + 2, _CHUNK)), np.zeros((_MOMENTS + 2, _CHUNK))
+    centres = ring.centre + ring.kx * c[0] + ring.ky * c[1]
     top[:] = 0.0
     bottom[:] = 0.0
     clipped = ring.width < DENSE or np.abs(centres).max() > nw - 3 - half
     for start in range(0, centres.size, _CHUNK):
         n = min(_CHUNK, centres.size - start)
         for i in range(n):
-            centre, column = centres[start + i], ring.columns[start + i]
-            centre = min(max(centre, -2.0 * nw), 2.0 * nw)  # past the bins all is zero
-            nearest = int(np.rint(centre))
-            s[i] = 2 * (centre - nearest) / ring.width
-            first = nearest - half
-            if first < 0 or first + size >= nw:
-                _bins(ring, column, first, f)
-                _pulse(f, centre - nearest, ring, pulses[i])
-            else:
-                _pulse(ring.magnitude[column, first : first + size], centre - nearest, ring, pulses[i])
+            column, centre = ring.columns[start + i], min(max(centres[start + i], -2.0 * nw), 2.0 * nw)  # past the bins
+            cell = int(np.rint(centre * cells))
+            s[i] = 2 * (centre - cell / cells) / ring.width
+            nearest = cell // cells
+            first, taps = nearest - half, ring.taps[cell - nearest * cells]
+            kept = models.moments[column, cell % _CELLS]
+            if models.cells[column, cell % _CELLS] != cell:
+                models.cells[column, cell % _CELLS] = cell
+                if first < 0 or first + size >= nw:
+                    _bins(ring, column, first, f)
+                    _moments(f, 0, taps, kept)
+                else:
+                    _moments(ring.magnitude[column], first, taps, kept)
+            for q in range(_MOMENTS):
+                moments[q, i] = kept[q]
             if clipped:
                 _bins(ring, -1, first, f)
-                _pulse(f, centre - nearest, ring, ones[i])
+                _moments(f, 0, taps, one)
+                ones[:_MOMENTS, i] = one
         kx, ky = ring.kx[start : start + n] / ring.largest, ring.ky[start : start + n] / ring.largest
-        _gather(pulses[:n], s[:n], kx, ky, ring.powers, order, top)
+        _gather(moments, s, kx, ky, n, order, top)
         if clipped:
-            _gather(ones[:n], s[:n], kx, ky, ring.powers, order, bottom)
+            _gather(ones, s, kx, ky, n, order, bottom)
     if not clipped:
         bottom[0, 0] = ring.columns.size * ring.width * np.sqrt(np.pi / 2)
     top *= ring.binomials
@@ -180,27 +211,47 @@ def _slopes(a, x, y, scale):
 
 
 class Models(NamedTuple):
-    """Expansions of the score of one shell, made where they are asked for."""
+    """Expansions of the score of one shell, and moments of the columns of all, made where they are asked for."""
 
-    centres: FloatArray  # (KEPT, 2)
-    top: FloatArray  # (KEPT, ORDER, ORDER)
+    centres: FloatArray  # (_KEPT, 2)
+    radii: FloatArray  # (_KEPT,): how far they hold
+    top: FloatArray  # (_KEPT, ORDER, ORDER)
     bottom: FloatArray
     made: IntArray  # how many, which was used last, and whether the search is lost (_score)
+    cells: IntArray  # (columns, _CELLS): which one the moments are of
+    moments: FloatArray  # (columns, _CELLS, _MOMENTS)
+
+
+def models(columns: int) -> Models:
+    """None yet."""
+    return Models(
+        np.empty((_KEPT, 2)),
+        np.empty(_KEPT),
+        np.empty((_KEPT, ORDER, ORDER)),
+        np.empty((_KEPT, ORDER, ORDER)),
+        np.zeros(3, dtype=np.int64),
+        np.full((columns, _CELLS), np.iinfo(np.int64).min),
+        np.empty((columns, _CELLS, _MOMENTS)),
+    )
 
 
 @_compiled
-def _model(ring, models, c, radius):
-    """The number of an expansion whose centre is within `radius` (of 2 k.c / width) of c, new if need be."""
-    reach = (radius * ring.width / (2 * ring.largest)) ** 2
+def _model(ring, models, c, radius, new):
+    """The number of an expansion whose centre is within `radius` (of 2 k.c / width) of c, as far as it holds.
+
+    If need be a `new` one is made, which holds that far.
+    """
+    scale = 2 * ring.largest / ring.width
     made = models.made[0]
-    for back in range(min(made, KEPT)):
-        n = (models.made[1] - back) % min(made, KEPT)
-        if (models.centres[n, 0] - c[0]) ** 2 + (models.centres[n, 1] - c[1]) ** 2 <= reach:
+    for back in range(min(made, _KEPT)):
+        n = (models.made[1] - back) % min(made, _KEPT)
+        reach = min(radius, models.radii[n]) / scale
+        if (models.centres[n, 0] - c[0]) ** 2 + (models.centres[n, 1] - c[1]) ** 2 <= reach * reach:
             models.made[1] = n
             return n
-    n = made % KEPT
-    models.centres[n] = c
-    _expand(ring, c, ORDER if radius > _CLOSE else 4, models.top[n], models.bottom[n])
+    n = made % _KEPT
+    models.centres[n], models.radii[n] = c, new
+    _expand(ring, models, c, ORDER if new > _CLOSE else 4, models.top[n], models.bottom[n])
     models.made[0], models.made[1] = made + 1, n
     return n
 
@@ -208,7 +259,7 @@ def _model(ring, models, c, radius):
 @_compiled
 def _score(ring, models, c):
     """N up to a factor, at c. Where most of G has left the Nyquist range the search is noted as lost."""
-    n = _model(ring, models, c, _RADIUS)
+    n = _model(ring, models, c, _RADIUS, _RADIUS)
     scale = 2 * ring.largest / ring.width
     x, y = (c[0] - models.centres[n, 0]) * scale, (c[1] - models.centres[n, 1]) * scale
     bottom = _value(models.bottom[n], x, y)
@@ -219,9 +270,9 @@ def _score(ring, models, c):
 
 
 @_compiled
-def _derivatives(ring, models, c, radius, out):
+def _derivatives(ring, models, c, radius, new, out):
     """N up to a factor, gradient and second derivatives (xx, xy, yy) as in nsp.score_derivatives, out (6,)."""
-    n = _model(ring, models, c, radius)
+    n = _model(ring, models, c, radius, new)
     scale = 2 * ring.largest / ring.width
     x, y = (c[0] - models.centres[n, 0]) * scale, (c[1] - models.centres[n, 1]) * scale
     a, ax, ay, axx, axy, ayy = _slopes(models.top[n], x, y, scale)
@@ -243,15 +294,16 @@ def principal(d):
 
 
 @_compiled
-def _ascend(ring, models, start, c, d):
+def _ascend(ring, models, start, lowest, c, d):
     """nsp._ascend from `start` to c, with the derivatives there in d: evaluations, and whether it got there.
 
-    Close to the end the expansion is made anew, so that the derivatives are those at the end itself.
+    On the way an expansion is used once and small. Close to the end it is made anew, so that the derivatives are
+    those at the end itself; but not for a maximum clearly below the `lowest` that matters.
     """
     c[:] = start
-    radius = _RADIUS
+    radius = new = _RADIUS
     for count in range(1, 60):
-        _derivatives(ring, models, c, radius, d)
+        _derivatives(ring, models, c, radius, new, d)
         first, second, u, v = principal(d)
         largest = max(abs(first), abs(second))
         along, across = u * d[1] + v * d[2], -v * d[1] + u * d[2]
@@ -264,10 +316,13 @@ def _ascend(ring, models, start, c, d):
         c[0] += step * (u * along - v * across)
         c[1] += step * (v * along + u * across)
         if length < 1e-13 * ring.unit or (count > 20 and length < 1e-11 * ring.unit):
-            _derivatives(ring, models, c, radius, d)
+            _derivatives(ring, models, c, radius, new, d)
             return count, first <= 1e-9 * largest and second < 0
         if length < _CLOSE * ring.unit:
+            if first < 0 and d[0] < 0.999 * lowest:
+                break
             radius = _CLOSE
+        new = _CLOSE if step < 1 else radius
     return count, False
 
 
@@ -320,52 +375,62 @@ def climb(ring, models, start, c, d):
                 simplex[j] = simplex[0] + 0.5 * (simplex[j] - simplex[0])
                 values[j] = -_score(ring, models, simplex[j] * unit)
             used += 2
-    steps, arrived = _ascend(ring, models, simplex[0] * unit, c, d)
+    steps, arrived = _ascend(ring, models, simplex[0] * unit, 0.0, c, d)
     return used + steps, arrived and not models.made[2]
 
 
 @_summing
 def pool(table):
-    """Fill in the lower half of the table of scores from the upper: P(-k, -omega) = P(k, omega).
+    """A bound on each column's part of the score, P, and on its largest values at all (n,).
 
-    Returns for every fourth place the largest within POOL = 8 of it or the next three, and that of each row.
+    `table` (n, 4 cells) holds P from place 0 up; the bound (n, 2 cells - 1), from as far below 0 on, is on the places
+    within POOL = 8 of every fourth or the next three. It needs the fourth ones only, half a width apart: in between,
+    log P is at most theta (1 - theta) / 2 above its chord, since it is a sum of Gaussians (Hoelder).
     """
-    n, size = table.shape
-    cells, middle = size // 4 + 1, size // 2
-    pooled, tops, place = np.empty((n, cells), dtype=table.dtype), np.empty(n), np.zeros(4 * cells, dtype=table.dtype)
-    four = np.zeros(cells + 4, dtype=table.dtype)
+    n, cells = table.shape[0], table.shape[1] // 4
+    pooled, tops = np.empty((n, 2 * cells - 1), dtype=np.float32), np.empty(n)
+    place, pair = np.zeros(2 * cells + 4, dtype=np.float32), np.empty(2 * cells + 3, dtype=np.float32)
+    flat, slope = np.float32(np.exp(-0.5)), np.float32(1.00001 * np.expm1(0.125) / -np.expm1(-0.5))
     for row in range(n):
-        table[row, :middle] = table[n - 1 - row, :middle:-1]
-        place[:size] = table[row]
-        top = place[0]
-        for q in range(cells):  # comparisons and not max(), which minds NaN and takes twice as long
-            a, b, c, d = place[4 * q], place[4 * q + 1], place[4 * q + 2], place[4 * q + 3]
-            a, c = a if a > b else b, c if c > d else d
-            four[2 + q] = a if a > c else c
         for q in range(cells):
-            a, b, c, d, e = four[q], four[q + 1], four[q + 2], four[q + 3], four[q + 4]
-            a, c = a if a > b else b, c if c > d else d
-            a = a if a > c else c
-            pooled[row, q] = a if a > e else e
+            place[cells + 1 - q], place[cells + 1 + q] = table[n - 1 - row, 4 * q], table[row, 4 * q]
+        for q in range(pair.size):  # comparisons and not max(), which minds NaN and takes twice as long
+            a, b = place[q], place[q + 1]
+            low, high = (a, b) if a < b else (b, a)
+            more = low - flat * high
+            pair[q] = high + slope * more if more > 0 else high
+        top = pair[0]
+        for q in range(2 * cells - 1):
+            a = pair[q] if pair[q] > pair[q + 1] else pair[q + 1]
+            b = pair[q + 2] if pair[q + 2] > pair[q + 3] else pair[q + 3]
+            a = a if a > b else b
+            pooled[row, q] = a if a > pair[q + 4] else pair[q + 4]
             top = top if top > pooled[row, q] else pooled[row, q]
         tops[row] = top
     return pooled, tops
 
 
 @_summing
-def _drop(table, columns, base, kx, ky, rest, x, y, scores, bar):
+def _drop(table, zero, columns, base, kx, ky, rest, x, y, scores, bar):
     """Add up the table for all columns at the velocities x, y, keeping those that can still reach `bar`. Their number.
 
-    `rest`: how much the columns after each may add at most. x, y and scores are shortened in place.
+    Of places below the `zero`th the table has the mirror image, P(-k, -omega) = P(k, omega). `rest`: how much the
+    columns after each may add at most. x, y and scores are shortened in place.
     """
     live, last, place = x.size, np.int32(table.shape[1] - 1), np.empty(x.size, dtype=np.int32)
+    zero, least = np.int32(zero), np.int32(-last if zero else 0)
     scores[:] = 0.0
     for n in range(columns.size):
-        row, a, b, c = table[columns[n]], kx[n], ky[n], base[n]
+        a, b, c = kx[n], ky[n], base[n]
+        row, mirror = table[columns[n]], table[table.shape[0] - 1 - columns[n]]
         for p in range(live):
-            place[p] = min(max(np.int32(a * x[p] + b * y[p] + c), np.int32(0)), last)
-        for p in range(live):
-            scores[p] += row[place[p]]
+            place[p] = min(max(np.int32(np.int32(a * x[p] + b * y[p] + c) - zero), least), last)
+        if not zero or (live and place[:live].min() >= 0):
+            for p in range(live):
+                scores[p] += row[place[p]]
+        else:
+            for p in range(live):
+                scores[p] += row[place[p]] if place[p] >= 0 else mirror[-place[p]]
         if n % 8 == 7 or n == columns.size - 1:
             kept = 0
             for p in range(live):
@@ -380,10 +445,10 @@ def _drop(table, columns, base, kx, ky, rest, x, y, scores, bar):
 def peaks(ring, order, tops, table, pooled, reach, found, best):
     """The starts of nsp.another_basin: up to six maxima of a coarse score on a lattice, strongest first, best (7, 3).
 
-    `table` holds each column's part of the score by centre, an eighth of the width apart; `pooled` the largest part
-    within POOL of every fourth, which bounds the score of three by three points at once.
+    `table` holds each column's part of the score by centre, an eighth of the width apart from zero up; `pooled`
+    (`pool`) bounds the score of three by three points at once.
     """
-    step, middle = ring.width / 8, table.shape[1] // 2
+    step, middle = ring.width / 8, table.shape[1]
     spacing = ring.width / (2 * ring.wavenumber)
     columns, unit = ring.columns[order], spacing / step
     base, kx, ky = ring.centre[order] / step + middle + 0.5, ring.kx[order] * unit, ring.ky[order] * unit
@@ -392,8 +457,9 @@ def peaks(ring, order, tops, table, pooled, reach, found, best):
         rest[n - 1] = rest[n] + tops[n]
     own = 0.0
     for n in range(order.size):
-        place = int((kx[n] * found[0] + ky[n] * found[1]) / spacing + base[n])
-        own += table[columns[n], min(max(place, 0), 2 * middle)]
+        place = int((kx[n] * found[0] + ky[n] * found[1]) / spacing + base[n]) - middle
+        column = columns[n] if place >= 0 else table.shape[0] - 1 - columns[n]
+        own += table[column, min(abs(place), middle - 1)]
     bar, m = 0.85 * own, int(np.ceil(reach / spacing))
     block = 3 if (np.sqrt(2) * ring.largest * unit + 1 <= POOL) else 1
     cells = (m + block - 1) // block
@@ -406,7 +472,7 @@ def peaks(ring, order, tops, table, pooled, reach, found, best):
                 count += 1
     x, y, scores = x[:count], y[:count], np.empty(count)
     if block > 1:
-        count = _drop(pooled, columns, base / 4, kx / 4, ky / 4, rest, x, y, scores, bar)
+        count = _drop(pooled, 0, columns, base / 4 - 1, kx / 4, ky / 4, rest, x, y, scores, bar)
         fine_x, fine_y, fine = np.empty(9 * count), np.empty(9 * count), 0
         for n in range(count):
             for p in range(-1, 2):
@@ -414,7 +480,7 @@ def peaks(ring, order, tops, table, pooled, reach, found, best):
                     fine_x[fine], fine_y[fine] = x[n] + p, y[n] + q
                     fine += np.hypot(x[n] + p, y[n] + q) * spacing <= reach
         x, y, scores = fine_x[:fine], fine_y[:fine], np.empty(fine)
-    count = _drop(table, columns, base, kx, ky, rest, x, y, scores, bar)
+    count = _drop(table, middle, columns, base, kx, ky, rest, x, y, scores, bar)
     grid = np.zeros((2 * m + 3, 2 * m + 3))
     for n in range(count):
         grid[m + 1 + int(x[n]), m + 1 + int(y[n])] = scores[n]
@@ -438,7 +504,7 @@ def outdone(ring, models, starts, reach, score):
     """Whether from one of the starts the score rises to a higher maximum within reach."""
     c, d = np.empty(2), np.empty(6)
     for n in range(starts.shape[0]):
-        _, arrived = _ascend(ring, models, starts[n, :2], c, d)
+        _, arrived = _ascend(ring, models, starts[n, :2], score, c, d)
         if arrived and np.hypot(c[0], c[1]) <= reach and d[0] > score * (1 + 1e-9):
             return True
     return False

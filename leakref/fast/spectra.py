@@ -1,15 +1,16 @@
 # mypy: disallow-untyped-defs=False
 """The magnitudes of a spectrum in closed form, compiled: part of `leakref.fast`.
 
-Only the bins of the shells are computed, and all windows come from one pass (`_box_spectrum`, `_taper`). Seen from far
-off along omega the waves are one smooth function, known from some thirty nodes (`_Band`).
+Only the bins of the shells are computed, and all windows come from one pass (`_box_rows`, `_taper`). Seen from far
+off along omega the waves are one smooth function, known from some thirty nodes (`_Band`). Waves that are no lattice are
+spread over one (`_Axis.spread`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
 from itertools import pairwise
 from typing import Any
 
@@ -25,7 +26,9 @@ from leakref.window import Window
 __all__ = ["Disc", "magnitudes"]
 
 _BLOCK = 8  # frequencies in a block of the products, so that it stays in the cache
-_GROUPS = 4  # of waves that are no lattice
+_FINER, _WIDE = (5, 2), 16  # points of the lattice a bin, as a ratio, and those that a wave is spread over: to 1e-15
+_TILE = 4  # of these points, the waves of which are spread by one product
+_SHAPE = 0.976 * np.pi * _WIDE * (1 - _FINER[1] / (2 * _FINER[0]))  # of the bell
 _NODES = 34.0  # -log of the error of the interpolation along omega
 
 _compiled: Any = njit(nogil=True, error_model="numpy")
@@ -76,6 +79,27 @@ class _Axis:
         r = np.pi * self.rest
         return np.where(self.on_bin, 1.0, -np.exp(1j * r) * np.sin(r)) * np.exp(-1j * self.angle)
 
+    @property
+    def whole_factor(self) -> ComplexArray:
+        """With sin(pi u) left to the kernel, as `spread` has it."""
+        return (1 - 2 * (self.nearest % 2)) * np.exp(1j * (np.pi * self.rest - self.angle))
+
+    def spread(self, bins: IntArray) -> tuple[FloatArray, IntArray, FloatArray]:
+        """The waves as some on a lattice: the kernel of the lattice (bins, points), and of each wave (n,) the first
+        point and its parts on _WIDE of them.
+
+        As in a non-uniform FFT, exp(i u x) over the samples is a sum over points of `_bell`s times exp(i point x),
+        over the transform of the bell at x.
+        """
+        fine, coarse = _FINER
+        place = self.nearest * fine / coarse + self.rest * fine / coarse
+        first = np.floor(place).astype(np.int64) - _WIDE // 2 + 1
+        parts = _bell(((place - first)[:, None] - np.arange(_WIDE)) * (2 / _WIDE))
+        points = np.arange(first.min(), first.max() + _WIDE)
+        distance = np.abs(fine * bins[:, None] - coarse * points)
+        kernel = _undone(self.size, int(distance.max()))[distance] * (1 - 2 * (bins % 2))[:, None]
+        return kernel, first - first.min(), parts
+
     def kernel(self, bins: IntArray, waves: IntArray) -> FloatArray:
         """(bins, waves) of these waves; of those exactly on a bin with their factor of zero worked in."""
         d = bins[:, None] - self.nearest[waves]
@@ -84,6 +108,20 @@ class _Axis:
         with np.errstate(divide="ignore"):
             kernel = 1 / np.sin(np.pi / self.size * (d - self.rest[waves]))
         return (1 - 2 * (turns % 2)) * np.where(self.on_bin[waves], self.size * (d == 0), kernel)
+
+
+def _bell(z: FloatArray) -> FloatArray:
+    """What a wave is spread with, over -1 ... 1."""
+    return np.exp(-_SHAPE * z * z / (1 + np.sqrt(np.maximum(1 - z * z, 0.0))))  # a root less one, to all digits
+
+
+@lru_cache(maxsize=16)
+def _undone(size: int, reach: int) -> FloatArray:
+    """The transform of the box at 0 ... `reach` parts of a bin, _FINER[0] of them, over that of the bell."""
+    m = (np.arange(size) - (size - 1) / 2) / size
+    z = np.arange(-63, 64) / 64
+    bell = np.cos(np.pi * _WIDE * _FINER[1] / _FINER[0] * np.outer(m, z)) @ (_bell(z) * _WIDE / 128)
+    return np.cos(2 * np.pi / _FINER[0] * np.outer(np.arange(reach + 1), m)) @ (1 / bell)
 
 
 class _Band:
@@ -110,8 +148,9 @@ class _Band:
         unwrapped, sign = bins - n * turns, 1 - 2 * (turns % 2)  # a kernel changes sign over a whole turn
         far = unwrapped >= first
         edges = np.flatnonzero(np.diff(np.where(far, -1, turns + n), prepend=-2, append=-2))
-        self.runs = np.array([(a, b, unwrapped[a] - self.low, sign[a]) for a, b in pairwise(edges) if not far[a]],
-                             dtype=np.int64).reshape(-1, 4)
+        self.runs = np.array(
+            [(a, b, unwrapped[a] - self.low, sign[a]) for a, b in pairwise(edges) if not far[a]], dtype=np.int64
+        ).reshape(-1, 4)
         x = np.pi * (unwrapped[far] - middle) / n
         distance = np.tan(x) - s[:, None]
         hit = np.abs(distance) < 1e-14 * half
@@ -131,150 +170,246 @@ class _Band:
 
 
 @_compiled
-def _moving(out, row, column, wave, whole, cos, sin, on_bin, size, first, table_sin, table_cos):
-    """The lattice of waves as seen at frequencies first, first + 1, ...: out (rows, 2, frequencies, columns), planar.
-
-    The kernel is 1 / sin(d - r): d from a table, at first + f - whole, and of each wave the cosine and sine of r.
-    """
-    for f in range(out.shape[2]):
-        for w in range(row.size):
-            d = first + f - whole[w]
-            value = 1 / (table_sin[d] * cos[w] - table_cos[d] * sin[w])
-            if on_bin[w]:
-                value = size if d == 0 else 0.0
-            out[row[w], 0, f, column[w]] = wave[w].real * value
-            out[row[w], 1, f, column[w]] = wave[w].imag * value
+def _seen(d, w, cos, sin, on_bin, size, table_sin, table_cos):
+    """The kernel 1 / sin(d - r): d from a table, and of each wave the cosine and sine of r."""
+    if on_bin[w]:
+        return size if d == 0 else 0.0
+    return 1 / (table_sin[d] * cos[w] - table_cos[d] * sin[w])
 
 
 @_compiled
-def _mirror(out, here, there, near_here, near_there, runs, stencil):
-    """A wave and its mirror image: S(n) = T(n) + conj T(-n), out (j, 2, frequencies from -`stencil` on).
-
-    T is interpolated, here and there (j, 2, -m ... m), but for runs of bins near the waves, (j, 2, near).
-    """
-    top, last = here.shape[2] // 2, here.shape[0] - 1
-    for j in range(last + 1):
-        for part in range(2):
-            for run in range(runs.shape[0]):
-                begin, end, source, sign = runs[run]
-                for b in range(end - begin):
-                    here[j, part, begin + b] = sign * near_here[j, part, source + b]
-                    there[last - j, part, begin + b] = sign * near_there[last - j, part, source + b]
-        for b in range(out.shape[2]):
-            n = b - stencil
-            out[j, 0, b] = here[j, 0, top + n] + there[last - j, 0, top - n]
-            out[j, 1, b] = here[j, 1, top + n] - there[last - j, 1, top - n]
+def _moving(out, number, row, column, wave, whole, cos, sin, on_bin, size, first, table_sin, table_cos):
+    """The lattice of waves as seen at a `number` of frequencies from the `first`: out (2, rows, _BLOCK, columns)."""
+    for f in range(number):
+        for w in range(row.size):
+            value = _seen(first + f - whole[w], w, cos, sin, on_bin, size, table_sin, table_cos)
+            out[0, row[w], f, column[w]] = wave[w].real * value
+            out[1, row[w], f, column[w]] = wave[w].imag * value
 
 
 @_summing
-def _stencil(out, centre, before, after, weight, real, imaginary, is_first):
-    """weight centre + w after + w* before, for a complex w = real + i imaginary; rows are (2, n), planar."""
-    for m in range(out.shape[1]):
-        re = real * (after[0, m] + before[0, m]) - imaginary * (after[1, m] - before[1, m])
-        im = real * (after[1, m] + before[1, m]) + imaginary * (after[0, m] - before[0, m])
-        out[0, m] = re + (weight * centre[0, m] if is_first else out[0, m])
-        out[1, m] = im + (weight * centre[1, m] if is_first else out[1, m])
+def _spreading(out, ends, row, column, x, y, seen):
+    """Waves `seen` at some frequencies (waves, n) spread over the lattice, out (rows, columns, n), tile by tile.
+
+    x and y (waves, _WIDE) are their parts on points from `row` and `column` on, `ends` where the tiles end.
+    """
+    side, begin = _TILE + _WIDE - 1, 0
+    for end in ends:
+        parts = np.zeros((end - begin, side * side))
+        first_row, first_column = row[begin] // _TILE * _TILE, column[begin] // _TILE * _TILE
+        for w in range(begin, end):
+            for a in range(_WIDE):
+                at = (row[w] - first_row + a) * side + column[w] - first_column
+                for b in range(_WIDE):
+                    parts[w - begin, at + b] = x[w, a] * y[w, b]
+        patch = np.dot(parts.T, seen[begin:end])
+        for a in range(min(side, out.shape[0] - first_row)):
+            for b in range(min(side, out.shape[1] - first_column)):
+                line, more = out[first_row + a, first_column + b], patch[a * side + b]
+                for f in range(more.size):
+                    line[f] += more[f]
+        begin = end
+
+
+@_summing
+def _mirror(out, here, there, stencil):
+    """A wave and its mirror image: S(n) = T(n) + conj T(-n), out (j, 2, frequencies from -`stencil` on).
+
+    T here and at the mirror image of the row, (j, 2, -m ... m).
+    """
+    top, last = here.shape[2] // 2, here.shape[0] - 1
+    for j in range(last + 1):
+        a, b, c = out[j], here[j], there[last - j]
+        for n in range(out.shape[2]):
+            a[0, n] = b[0, top - stencil + n] + c[0, top + stencil - n]
+            a[1, n] = b[1, top - stencil + n] - c[1, top + stencil - n]
+
+
+@_summing
+def _stencil(out, centre, before, after, shift, weight, w, is_first):
+    """weight centre + w after + w* before, for a complex w; planar rows (2, n), neighbours `shift` bins off.
+
+    The sum begins with the first neighbours; bins without a neighbour are left alone.
+    """
+    for m in range(shift, out.shape[1] - shift):
+        a, b, c, d = after[0, m + shift], before[0, m - shift], after[1, m + shift], before[1, m - shift]
+        re, im = w.real * (a + b) - w.imag * (c - d), w.real * (c + d) + w.imag * (a - b)
+        if is_first:
+            re, im = re + weight * centre[0, m], im + weight * centre[1, m]
+        else:
+            re, im = re + out[0, m], im + out[1, m]
+        out[0, m], out[1, m] = re, im
 
 
 @_compiled
-def _taper(values, row, extent, lines, phases, magnitude):
-    """|S| of one row of bins under a window, (2 extent + 1, nw), from box values (i, j, 2, nw + 2 h), planar.
+def _taper(values, rows, extent, lines, magnitude):
+    """|S| of one row of bins under a window, (2 extent + 1, nw), from box values (slot, j, 2, nw + 2 pad), planar.
 
-    The window is a stencil over h bins on either side along each axis (window.Window): `lines` (h + 1,) are its
-    weights; `phases` (3,) what a bin's common phase (_Axis) changes by from one bin to the next.
+    The window is a stencil over h bins on either side along each axis (window.Window): `lines` (3, h + 1) are its
+    weights for the next bins along each axis, turned by what a bin's common phase (_Axis) changes by. `rows`: the slots
+    of the row and of those around it.
     """
-    h, middle, nw = lines.size - 1, values.shape[1] // 2, magnitude.shape[1]
+    h, middle, nw, around = lines.shape[1] - 1, values.shape[1] // 2, magnitude.shape[1], rows.size // 2
     pad = (values.shape[3] - nw) // 2
-    along, both = np.empty((2 * (extent + h) + 1, 2, values.shape[3])), np.empty((2, values.shape[3]))
+    along = np.empty((2 * (extent + h) + 1, 2, values.shape[3]))
+    both, last = np.empty((2, values.shape[3])), np.empty((2, values.shape[3]))
     for j in range(along.shape[0] if h else 0):
         at = middle - extent - h + j
         for n in range(1, h + 1):
-            _stencil(along[j], values[row, at], values[row - n, at], values[row + n, at], lines[0],
-                     lines[n] * np.cos(n * phases[0]), lines[n] * np.sin(n * phases[0]), n == 1)
+            _stencil(
+                along[j],
+                values[rows[around], at],
+                values[rows[around - n], at],
+                values[rows[around + n], at],
+                0,
+                lines[0, 0].real,
+                lines[0, n],
+                n == 1,
+            )
     for j in range(2 * extent + 1):
-        last = values[row, middle - extent + j, :, pad : pad + nw]
         if h:
             for n in range(1, h + 1):
-                _stencil(both, along[j + h], along[j + h - n], along[j + h + n], lines[0],
-                         lines[n] * np.cos(n * phases[1]), lines[n] * np.sin(n * phases[1]), n == 1)
-            last = along[j][:, :nw]  # no longer needed
+                _stencil(
+                    both, along[j + h], along[j + h - n], along[j + h + n], 0, lines[1, 0].real, lines[1, n], n == 1
+                )
             for n in range(1, h + 1):
-                _stencil(last, both[:, pad:], both[:, pad - n :], both[:, pad + n :], lines[0],
-                         lines[n] * np.cos(n * phases[2]), lines[n] * np.sin(n * phases[2]), n == 1)
+                _stencil(last, both, both, both, n, lines[2, 0].real, lines[2, n], n == 1)
+        seen, out = last if h else values[rows[around], middle - extent + j], magnitude[j]
         for m in range(nw):
-            magnitude[j, m] = np.sqrt(last[0, m] ** 2 + last[1, m] ** 2)
-
-
-def _in_groups(components: Components) -> list[Components]:
-    """Waves that are no lattice in some groups of like frequency: of each, fewer frequencies are near (`_Band`)."""
-    if _rows_and_columns(components)[2]:
-        return [components]
-    parts = np.array_split(np.argsort(components.omega, kind="stable"), _GROUPS)
-    return [replace(components, **{name: values[part] for name, values in vars(components).items()})
-            for part in parts if part.size]
+            out[m] = np.sqrt(seen[0, pad + m] ** 2 + seen[1, pad + m] ** 2)
 
 
 def _rows_and_columns(components: Components) -> tuple[Any, Any, bool]:
     """Where the waves stand along x and y, first occurrences and inverse, and whether that is a lattice."""
     a, b = (np.unique(k, return_index=True, return_inverse=True)[1:] for k in (components.kx, components.ky))
-    return a, b, (a[0].size * b[0].size <= 8 * components.kx.size
-                  and np.bincount(a[1] * b[0].size + b[1]).max() == 1)
+    return a, b, (a[0].size * b[0].size <= 8 * components.kx.size and np.bincount(a[1] * b[0].size + b[1]).max() == 1)
 
 
-def _box_spectrum(components: Components, largest: float, grid: Grid, stencil: int, disc: Disc) -> FloatArray:
-    """S under the box, planar: (i, j, 2, nt // 2 + 1 + 2 stencil), less the factors that `_Axis` leaves out.
-
-    On a lattice of waves, for each frequency a product of three matrices (leakage.spectrum), real ones on either side.
-    Without one the waves stand in a single row, and for each i the two real matrices merge into one. Amplitudes are
-    counted in units of the `largest`.
+def _placed(components: Components, x: _Axis, y: _Axis, extents: IntArray) -> tuple[Any, ...]:
+    """The kernels of a lattice, (i, rows) and (j, columns); of the waves the rows, the columns, the parts if they are
+    spread, and the factors; and whether they are too few for that and each has its own row and column.
     """
-    x, y, t = (_Axis(k / dk, size) for k, dk, size in zip((components.kx, components.ky, components.omega),
-                                                          grid.bin_widths, grid.shape, strict=True))
-    wave = components.amplitude / largest * np.exp(1j * components.phase)
-    wave *= x.factor * y.factor * t.factor.conj()
-    extents = disc.extents(stencil)
-    mi, mj = extents.size // 2, int(extents.max())
-    order = row = column = in_row = in_column = np.arange(wave.size)
+    i, j = (np.arange(-m, m + 1) for m in (extents.size // 2, int(extents.max())))
     a, b, is_lattice = _rows_and_columns(components)
     if is_lattice:
-        order = np.lexsort((b[1], a[1]))  # neighbours in memory beside each other
-        (in_row, row), (in_column, column) = (a[0], a[1][order]), (b[0], b[1][order])
-    kernel_x, kernel_y = x.kernel(np.arange(-mi, mi + 1), in_row), y.kernel(np.arange(-mj, mj + 1), in_column)
-    rows, columns, row = (in_row.size, in_column.size, row) if is_lattice else (1, wave.size, np.zeros_like(row))
-    band, n = _Band(t, stencil), grid.shape[2]
-    nodes, count = band.angles.size, band.near + band.angles.size
+        return x.kernel(i, a[0]), y.kernel(j, b[0]), a[1], b[1], (), x.factor * y.factor, False
+    (kernel_x, row, parts_x), (kernel_y, column, parts_y) = x.spread(i), y.spread(j)
+    cells, n = int(np.sum(2 * extents + 1)), np.arange(row.size)
+    if n.size * cells > (i.size * kernel_x.shape[1] + cells) * kernel_y.shape[1]:
+        return kernel_x, kernel_y, row, column, (parts_x, parts_y), x.whole_factor * y.whole_factor, False
+    return x.kernel(i, n), y.kernel(j, n), n, n, (), x.factor * y.factor, True
+
+
+def _along(
+    kernel_x: FloatArray,
+    place: tuple[IntArray, IntArray, int],
+    parts: Sequence[FloatArray],
+    are_few: bool,
+    wave: ComplexArray,
+    t: _Axis,
+    band: _Band,
+) -> FloatArray:
+    """The waves summed along x, at the frequencies of the band: (i, 2 frequencies, columns), planar."""
+    (row, column, columns), n, count = place, t.size, band.near + band.angles.size
     d = np.pi / n * np.minimum(np.arange(n), np.arange(n, 0, -1))  # sin(pi d / n) = sin(pi - pi d / n), to all digits
     table_sin, table_cos = np.sin(d), np.where(np.arange(n) <= n // 2, 1, -1) * np.cos(d)
-    rest, angle, on_bin = np.pi / n * t.rest[order], t.angle[order], t.on_bin[order]
+    rest = np.pi / n * t.rest
     # a negative d counts from the end of the table
-    near = (t.nearest[order], np.cos(rest), np.sin(rest), on_bin, float(n)), band.low, (
-        np.concatenate([table_sin, -table_sin]), np.concatenate([table_cos, -table_cos]))
-    far = (np.zeros_like(order), np.cos(angle), np.sin(angle), on_bin, 0.0), 0, (
-        np.sin(band.angles), np.cos(band.angles))
-    along = np.empty((kernel_x.shape[0] if is_lattice else 1, 2, count, columns))
-    block, wave = np.zeros((rows, 2, _BLOCK, columns)), wave[order]
-    for begin, total, (waves, first, tables) in ((0, band.near, near), (band.near, nodes, far)):
+    near = (
+        (t.nearest, np.cos(rest), np.sin(rest), t.on_bin, float(n)),
+        band.low,
+        (np.concatenate([table_sin, -table_sin]), np.concatenate([table_cos, -table_cos])),
+    )
+    far = (
+        (np.zeros_like(t.nearest), np.cos(t.angle), np.sin(t.angle), t.on_bin, 0.0),
+        0,
+        (np.sin(band.angles), np.cos(band.angles)),
+    )
+    both = (0, band.near, near), (band.near, band.angles.size, far)
+    if parts:
+        seen, lattice = np.empty((2, wave.size, count, 1)), np.zeros((kernel_x.shape[1], columns, 2 * count))
+        for begin, total, (waves, first, tables) in both:
+            _moving(seen[:, :, begin:], total, np.arange(wave.size), 0 * row, wave, *waves, first, *tables)
+        ends = np.flatnonzero(np.diff(row // _TILE * columns + column // _TILE, append=-1)) + 1
+        _spreading(lattice, ends, row, column, *parts, np.concatenate(seen[..., 0], axis=1))
+        return (kernel_x @ lattice.reshape(len(lattice), -1)).reshape(-1, columns, 2 * count).transpose(0, 2, 1)
+    along = np.empty((1 if are_few else len(kernel_x), 2, count, columns))
+    block = np.zeros((2, 1 if are_few else kernel_x.shape[1], _BLOCK, columns))
+    for begin, total, (waves, first, tables) in both:
         for start in range(0, total, _BLOCK):
             size = min(_BLOCK, total - start)
-            part = block[:, :, :size]
-            _moving(*(part, row, column, wave), *waves, first + start, *tables)
+            _moving(block, size, row, column, wave, *waves, first + start, *tables)
             at = slice(begin + start, begin + start + size)
             for p in range(2):
-                flat = part[:, p].reshape(rows, -1)
-                along[:, p, at] = (kernel_x @ flat if is_lattice else flat).reshape(-1, size, columns)
-    values = np.zeros((2 * mi + 1, 2 * mj + 1, 2, n // 2 + 1 + 2 * stencil))
-    for m in range(mi + 1):
-        inside = slice(mj - extents[mi + m], mj + extents[mi + m] + 1)
+                flat = block[p, :, :size].reshape(block.shape[1], -1)
+                along[:, p, at] = (flat if are_few else kernel_x @ flat).reshape(-1, size, columns)
+    return along.reshape(-1, 2 * count, columns)
+
+
+def _box_rows(components: Components, grid: Grid, stencil: int, extents: IntArray) -> Iterator[tuple[FloatArray, ...]]:
+    """T under the box in the rows of bins m and -m, m = 0, 1, ...: (j, 2, frequencies -nt // 2 - `stencil` ...) each.
+
+    S is T and its mirror image (`_mirror`), less the factors that `_Axis` leaves out. For each frequency that is a
+    product of three matrices (leakage.spectrum), real ones on either side. If there are too few waves for that they
+    stand in a single row, and for each m the two real matrices merge into one. The largest amplitude is 1.
+    """
+    x, y = (
+        _Axis(k / dk, size)
+        for k, dk, size in zip((components.kx, components.ky), grid.bin_widths, grid.shape, strict=False)
+    )
+    kernel_x, kernel_y, row, column, parts, factor, are_few = _placed(components, x, y, extents)
+    # neighbours in memory beside each other
+    order = np.lexsort((column, row, column // _TILE, row // _TILE) if parts else (column, row))
+    row, column, parts = row[order] * (not are_few), column[order], [part[order] for part in parts]
+    t = _Axis(components.omega[order] / grid.frequency_resolution, grid.shape[2])
+    wave = components.amplitude / (np.abs(components.amplitude).max() or 1.0) * np.exp(1j * components.phase)
+    wave = (wave * factor)[order] * t.factor.conj()
+    band = _Band(t, stencil)
+    along = _along(kernel_x, (row, column, kernel_y.shape[1]), parts, are_few, wave, t, band)
+    middle, count = kernel_y.shape[0] // 2, band.near + band.angles.size
+    for m in range(len(kernel_x) // 2 + 1):
         pair = []
-        for r in (mi + m, mi - m):
-            left, right = (kernel_y[inside], along[r]) if is_lattice else (kernel_y[inside] * kernel_x[r], along[0])
-            seen = (left @ right.reshape(2 * count, -1).T).reshape(-1, count)
-            pair.append((seen.reshape(-1, 2, count), (seen[:, band.near :] @ band.matrix).reshape(len(left), 2, -1)))
-        (near_here, here), (near_there, there) = pair
-        _mirror(values[mi + m, inside], here, there, near_here, near_there, band.runs, stencil)
-        if m:
-            _mirror(values[mi - m, inside], there, here, near_there, near_here, band.runs, stencil)
-    return values
+        for r in (len(kernel_x) // 2 + m, len(kernel_x) // 2 - m):
+            left = kernel_y[middle - extents[r] : middle + extents[r] + 1]
+            left, right = (left * kernel_x[r], along[0].T) if are_few else (left, along[r].T)
+            seen = (left @ right).reshape(-1, count)
+            everywhere = (seen[:, band.near :] @ band.matrix).reshape(len(left), 2, -1)
+            for start, end, source, sign in band.runs:  # the bins near the waves
+                everywhere[:, :, start:end] = sign * seen.reshape(-1, 2, count)[:, :, source : source + end - start]
+            pair.append(everywhere)
+        yield tuple(pair)
+
+
+def _seen_under(sums: list[Window], components: Components, grid: Grid, disc: Disc) -> dict[str, FloatArray]:
+    """`magnitudes` under windows that are sums of cosines, row by row outwards."""
+    i, _ = disc.bins
+    stencil = max(len(w.coefficients) for w in sums) - 1
+    extents, ends = disc.extents(stencil), np.searchsorted(i, np.arange(i.min(), i.max() + 2))
+    outermost, middle, slots = int(i.max()), int(extents.max()), 2 * stencil + 1
+    phases = np.pi / np.array([grid.shape[0], grid.shape[1], -grid.shape[2]])
+    lines = {
+        w.name: np.array(
+            [a * (-1) ** n / (1 + (n > 0)) * np.exp(1j * n * phases) for n, a in enumerate(w.coefficients)]
+        ).T.copy()
+        for w in sums
+    }
+    found: dict[str, FloatArray] = {w.name: np.empty((i.size, grid.shape[2] // 2 + 1)) for w in sums}
+    values = np.empty((2 * slots, 2 * middle + 1, 2, grid.shape[2] // 2 + 1 + 2 * stencil))
+
+    def kept(r: int) -> int:
+        """Where the latest rows on either side are."""
+        return abs(r) % slots + slots * (r < 0)
+
+    for m, (here, there) in enumerate(_box_rows(components, grid, stencil, extents)):
+        inside = slice(middle - here.shape[0] // 2, middle + here.shape[0] // 2 + 1)
+        _mirror(values[kept(m), inside], here, there, stencil)
+        _mirror(values[kept(-m), inside], there, here, stencil)
+        for row in {m - stencil, stencil - m} if m >= stencil else ():
+            a, b = ends[outermost + row], ends[outermost + row + 1]
+            around = np.array([kept(row + n) for n in range(-stencil, stencil + 1)])
+            for name, seen in found.items():
+                _taper(values, around, (b - a) // 2, lines[name], seen[a:b])
+    return found
 
 
 def magnitudes(components: Components, grid: Grid, windows: Sequence[Window], disc: Disc) -> dict[str, FloatArray]:
@@ -282,18 +417,7 @@ def magnitudes(components: Components, grid: Grid, windows: Sequence[Window], di
     i, j = disc.bins
     found: dict[str, FloatArray] = {}
     if sums := [w for w in windows if w.coefficients]:
-        stencil = max(len(w.coefficients) for w in sums) - 1
-        parts, largest = _in_groups(components), np.abs(components.amplitude).max() or 1.0
-        values = _box_spectrum(parts[0], largest, grid, stencil, disc)
-        for part in parts[1:]:
-            values += _box_spectrum(part, largest, grid, stencil, disc)
-        ends = np.searchsorted(i, np.arange(i.min(), i.max() + 2))
-        phases = np.pi / np.array([grid.shape[0], grid.shape[1], -grid.shape[2]])
-        for w in sums:
-            lines = np.array([w.coefficients[0], *(a / 2 * (-1) ** n for n, a in enumerate(w.coefficients) if n)])
-            found[w.name] = np.empty((i.size, grid.shape[2] // 2 + 1))
-            for row, (a, b) in enumerate(pairwise(ends)):
-                _taper(values, stencil + row, (b - a) // 2, lines, phases, found[w.name][a:b])
+        found = _seen_under(sums, components, grid, disc)
     for w in windows:
         if not w.coefficients:  # no stencil
             s = leakage.spectrum(components, grid, w.name, largest_wavenumber=disc.radius)
