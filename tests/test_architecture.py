@@ -40,7 +40,8 @@ ROOMS = {
 }
 ROOMS["chain"] = {room for room in ROOMS if room != "_base"}
 ABOVE = {"cases", "ensemble", "fast"}  # all of the above, and each other
-ROOMS |= {room: {*ROOMS, *ABOVE} for room in [*sorted(ABOVE), "fast.score", "fast.spectra"]}
+FAST = [f"fast.{name}" for name in ("basins", "kernels", "leastsquares", "score", "spectra")]
+ROOMS |= {room: {*ROOMS, *ABOVE} for room in [*sorted(ABOVE), *FAST]}
 
 
 def source(module: str) -> ast.Module:

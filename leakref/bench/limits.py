@@ -10,7 +10,8 @@ from time import perf_counter
 import numpy as np
 
 from leakref import runs
-from leakref.fast.spectra import _WIDE, Disc, _Axis, _Band, _placed
+from leakref.fast.kernels import _WIDE
+from leakref.fast.spectra import Disc, _Axis, _Band, _placed
 from leakref.grid import Grid
 from leakref.sea import Components
 from leakref.shell import HALF_WIDTH

@@ -127,7 +127,8 @@ VARIANTS: dict[str, Variant] = {v.id: v for v in (
              Change("fast", "self.even, m = grid.frequency_resolution, grid.shape[2] % 2 == 0, grid.bins(2)",
                     "self.even, m = grid.frequency_resolution, False, grid.bins(2)[: magnitude.shape[1]]"),
              Change("fast", "ring.centre, self.disc.grid.bins(2))", "ring.centre, np.arange(self.magnitude.shape[1]))"),
-             Change("fast", "grid.shape[2] % 2 == 0, taps, binomials", "False, taps, binomials"))),
+             Change("fast", "int(np.ceil(_CUT * width)), grid.shape[2] % 2 == 0",
+                    "int(np.ceil(_CUT * width)), False"))),
     Variant("whole-weights", "D5", "weight 1, not 1/2, on omega = 0 and the Nyquist plane",
             _one("spectrum", "np.where((m == 0) | (2 * m == self.grid.shape[2]), 0.5, 1.0)", "np.ones(m.size)"),
             (Change("fast", "np.where((m == 0) | (2 * m == grid.shape[2]), 0.5, 1.0)", "np.ones(m.size)"),
@@ -204,7 +205,7 @@ VARIANTS: dict[str, Variant] = {v.id: v for v in (
             _one("leastsquares", "shift = shell.omega[m] - shell.intrinsic[column]\n",
                  "shift = np.concatenate([sign * shell.omega[m] - shell.intrinsic[column] for sign in (1, -1)])\n"
                  "    k = np.concatenate([k, -k], axis=1)\n"),
-            _one("fast.score", "bx + kx * (m - ring.centre[n]), by + ky * (m - ring.centre[n])",
+            _one("fast.leastsquares", "bx + kx * (m - ring.centre[n]), by + ky * (m - ring.centre[n])",
                  "bx + kx * m, by + ky * m"), ("ls",)),
     Variant("unit-by-shell", "D21", "the phase velocity at the shell's own wavenumber as the unit of the simplex",
             _one("shell", "water.phase_velocity(peak_wavenumber or default)", "water.phase_velocity(wavenumber)"),

@@ -16,28 +16,16 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from leakref import leakage, leastsquares, nsp
+from leakref import leakage, nsp
 from leakref._base import FloatArray, IntArray, LeakrefError, positive
 from leakref.dispersion import Water
-from leakref.fast.score import (
-    DENSE,
-    ORDER,
-    PLACES,
-    POOL,
-    Ring,
-    climb,
-    hermite,
-    least_squares,
-    models,
-    only_leaked,
-    outdone,
-    peaks,
-    pool,
-    principal,
-)
+from leakref.fast.basins import PLACES, POOL, peaks, pool
+from leakref.fast.leastsquares import least_squares, only_leaked
+from leakref.fast.score import DENSE, ORDER, Ring, climb, hermite, models, outdone, principal
 from leakref.fast.spectra import Disc, magnitudes
 from leakref.grid import Grid
-from leakref.leastsquares import THRESHOLD
+from leakref.leastsquares import FREE, THRESHOLD
+from leakref.leastsquares import remarks as fit_remarks
 from leakref.methods import Method
 from leakref.methods import method as named_method
 from leakref.sea import Components
@@ -195,9 +183,9 @@ class _Seen:
         if self._is_empty(ring):
             return nothing(Note.NO_SIGNAL)
         ring, out = ring._replace(magnitude=self.magnitude), np.empty(8)
-        used, close, is_free, bar = least_squares(ring, self.largest, threshold, leastsquares.FREE, out)
+        used, close, is_free, bar = least_squares(ring, self.largest, threshold, FREE, out)
         mean, radius = (out[3] + out[5]) / 2, np.hypot((out[3] - out[5]) / 2, out[4])
-        note = leastsquares.remarks(used, close, mean - radius, mean + radius)
+        note = fit_remarks(used, close, mean - radius, mean + radius)
         if only_leaked(ring, self.strongest, out, bar, self.across, self.along):
             note |= Note.LEAKAGE_FLOOR
         if is_free:
@@ -225,7 +213,7 @@ def _rings(
     kx, ky = (bins * spacing for bins, spacing in zip(disc.bins, grid.bin_widths, strict=False))
     k = np.hypot(kx, ky)
     centre = water.frequency(k) / step
-    half = int(np.ceil(_CUT * width))
+    half, is_even = int(np.ceil(_CUT * width)), grid.shape[2] % 2 == 0
     taps = hermite(width, half + (2 - half) % 5)  # a number of them that five divides
     binomials = np.array([[float(comb(q + p, p)) for p in range(ORDER)] for q in range(ORDER)])
     rings = []
@@ -235,23 +223,9 @@ def _rings(
             empty = Spectrum(grid, "box", grid.bins(0), grid.bins(1), np.empty((0, 0, 0), dtype=np.complex128))
             shell_at(empty, k_i, water=water, half_width=half_width)  # which says what is wrong
         unit = velocity_unit(float(k_i), water, peak_wavenumber)
-        rings.append(
-            Ring(
-                np.empty((0, 0)),
-                columns,
-                kx[columns] / step,
-                ky[columns] / step,
-                centre[columns],
-                float(k[columns].max()) / step,
-                float(k_i) / step,
-                float(water.frequency(k_i)) / step,
-                unit,
-                float(width),
-                grid.shape[2] % 2 == 0,
-                taps,
-                binomials,
-            )
-        )
+        own = (columns, kx[columns] / step, ky[columns] / step, centre[columns])
+        place = (float(k[columns].max()) / step, float(k_i) / step, float(water.frequency(k_i)) / step)
+        rings.append(Ring(np.empty((0, 0)), *own, *place, unit, float(width), is_even, taps, binomials))
     return disc, rings
 
 
