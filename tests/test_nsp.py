@@ -338,6 +338,7 @@ def by_hand(magnitude) -> Shell:
     kx, ky = np.array([1.0, 0.0, 0.7]), np.array([0.0, 1.0, 0.7])
     return Shell(
         1.0,
+        1.0,
         kx,
         ky,
         np.sqrt(np.hypot(kx, ky)),

@@ -10,7 +10,17 @@ import pytest
 
 from leakref import Components, Grid, LeakrefError, Note, Spectrum, analyse, fourier, leakage, nsp, shell_wavenumbers
 from leakref.dispersion import DEEP, Water
-from leakref.shell import EDGE_MARGIN, HALF_WIDTH, Shell, checked_wavenumbers, collect, nothing, shell_at, velocity_unit
+from leakref.shell import (
+    EDGE_MARGIN,
+    HALF_WIDTH,
+    Optimum,
+    Shell,
+    checked_wavenumbers,
+    collect,
+    nothing,
+    shell_at,
+    velocity_unit,
+)
 
 
 def noise(grid: Grid, window: str = "box") -> Spectrum:
@@ -129,7 +139,9 @@ def test_notes_are_named_as_in_json():
 
 def test_nothing_is_nan_throughout_and_a_record_is_frozen():
     record = collect(
-        "nsp", np.array([1.0, 2.0]), [nothing(Note.NO_SIGNAL), (np.ones(2), 3.0, np.zeros(2), -np.eye(2), 7, Note.FLAT)]
+        "nsp",
+        np.array([1.0, 2.0]),
+        [nothing(Note.NO_SIGNAL), Optimum(np.ones(2), 3.0, np.zeros(2), -np.eye(2), 7, Note.FLAT)],
     )
     for array, shape in (
         (record.velocities, (2, 2)),

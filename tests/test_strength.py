@@ -37,7 +37,7 @@ def test_a_fault_that_changes_nothing_is_reported_as_surviving(monkeypatch):
         "synthesis",
         "nothing is wrong",
         (Change("nsp", "_FEW = 8", "_FEW = 9"),),
-        witness=FAULTS["two-thirds-energy"].killing_input,
+        killing_input=FAULTS["two-thirds-energy"].killing_input,
     )
     monkeypatch.setitem(FAULTS, "idle", idle)
     record = fault_record(idle)
@@ -52,7 +52,7 @@ def test_a_fault_that_changes_nothing_is_reported_as_surviving(monkeypatch):
 
 def test_a_wrong_code_among_the_variants_is_reported_as_rejected(monkeypatch):
     monkeypatch.setattr(study, "jobs", lambda *, full=False: [Job("variant", "si")])
-    monkeypatch.setattr(study, "chosen", lambda **of: select(["signs", "recovery.pair"], **of))
+    monkeypatch.setattr(study, "select", lambda **of: select(["signs", "recovery.pair"], **of))
     wrong = lambda identifier: faults.implementation("flipped-x")  # noqa: E731
     record = study.variant_record("si", make=wrong)
     assert {name.partition(".")[0] for name in record["wrong"]} >= {"signs", "recovery"}
@@ -87,7 +87,7 @@ def test_too_small_an_effect_and_a_sound_fault_rejected_are_problems():
 @pytest.mark.parametrize("family", FAMILIES)
 def test_a_family_switched_off_lets_the_faults_meant_for_it_live(family, monkeypatch):
     fault = next(fault for fault in FAULTS.values() if fault.family == family)
-    monkeypatch.setattr(study, "chosen", lambda **of: [p for p in select(**of) if p[0].family != family])
+    monkeypatch.setattr(study, "select", lambda **of: [p for p in select(**of) if p[0].family != family])
     record = fault_record(fault)
     assert record["killed_by"] is None
     said = problems({"faults": [{**record, "kills": study._kills(record)}], "variants": []})
@@ -182,7 +182,7 @@ def test_the_null_resampling_uses_the_statistic_of_the_check():
     rng = np.random.default_rng(1)
     d, margin, alpha = 0.02 * rng.standard_normal(6) + 0.03, 0.01, share(2)
     test = excess(d, margin, alpha)
-    by_hand = margin + study.student.isf(alpha, 5) * d.std(ddof=1) / np.sqrt(6)
+    by_hand = margin + alarms.student.isf(alpha, 5) * d.std(ddof=1) / np.sqrt(6)
     assert test.limit == pytest.approx(by_hand, rel=1e-12)
 
 

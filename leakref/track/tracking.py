@@ -342,7 +342,7 @@ def source_of(target: str, more: Sequence[Path] = ()) -> dict[str, Any]:
     kind = target.partition(":")[0]
     if kind in ("reference", "fault", "variant"):
         own = _hashed(more)
-        lists = "" if kind == "reference" else sources.digest(f"leakref.certify.{kind}s")
+        lists = "" if kind == "reference" else sources.digest(f"leakref.certify.strength.{kind}s")
         return {
             "sha256": digest([runs.source_digest(), lists, target, own["sha256"]]),
             "of": f"{_REFERENCE}, {f'{kind}s, ' * bool(lists)}{own['of']}".removesuffix(", nothing"),
