@@ -11,6 +11,8 @@ The velocity that is measured is the c in lengths per time where C is smallest.
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import numpy.typing as npt
 
@@ -77,6 +79,5 @@ def extract(
     if not (isinstance(threshold, int | float) and 0 < threshold <= 1):
         remedy = "give a part of the largest power, above 0 and at most 1"
         raise LeakrefError("leastsquares.extract", f"threshold = {threshold}", remedy)
-    water = water or Water(gravity)
-    shells = (shell_at(spectrum, k_i, water=water, half_width=half_width) for k_i in k)
-    return collect("ls", k, [optimum(shell, threshold) for shell in shells])
+    shell = partial(shell_at, spectrum, water=water or Water(gravity), half_width=half_width)
+    return collect("ls", k, [optimum(shell(k_i), threshold) for k_i in k])

@@ -12,6 +12,8 @@ width of a bin. The velocity that is measured is the c in lengths per time where
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import numpy.typing as npt
 from scipy.ndimage import maximum_filter
@@ -238,6 +240,6 @@ def extract(
     if peak_wavenumber is not None:
         positive("nsp.extract", peak_wavenumber=peak_wavenumber)
     a, water = width * spectrum.grid.frequency_resolution, water or Water(gravity)
-    shells = (shell_at(spectrum, k_i, water=water, half_width=half_width) for k_i in k)
-    units = (velocity_unit(k_i, water, peak_wavenumber) for k_i in k)
-    return collect("nsp", k, [optimum(s, a, unit, search=search) for s, unit in zip(shells, units, strict=True)])
+    shell = partial(shell_at, spectrum, water=water, half_width=half_width)  # one at a time
+    found = [optimum(shell(k_i), a, velocity_unit(k_i, water, peak_wavenumber), search=search) for k_i in k]
+    return collect("nsp", k, found)
