@@ -17,6 +17,7 @@ from leakref._base import FloatArray
 from leakref._output import write_whole
 from leakref.cases import Configuration
 from leakref.methods import METHODS
+from leakref.window import WINDOWS
 
 __all__ = ["COLOURS", "WINDOW_WORDS", "Result", "figure", "result_figure", "save", "styled"]
 
@@ -49,7 +50,7 @@ _WORDS = {
     "current_direction": r"$\theta_U$ = {:g}°",
     "rotation": "rotated by {:g}°",
 }
-WINDOW_WORDS = {"box": "no window", "hann": "Hann", "blackman": "Blackman", "kaiser-bessel": "Kaiser-Bessel"}
+WINDOW_WORDS = {window.name: window.title for window in WINDOWS.values()}
 """Windows as a reader calls them."""
 
 

@@ -35,9 +35,13 @@ def dirichlet(bins: npt.ArrayLike, position: npt.ArrayLike, size: int) -> Comple
 
 @dataclass(frozen=True)
 class Window:
-    """A taper over one axis: `w(t) = sum of (-1)^j a_j cos(2 pi j t / T)`, or Kaiser-Bessel if no `a` is given."""
+    """A taper over one axis: `w(t) = sum of (-1)^j a_j cos(2 pi j t / T)`, or Kaiser-Bessel if no `a` is given.
+
+    `title` is its name in figures.
+    """
 
     name: str
+    title: str
     coefficients: tuple[float, ...] = ()
 
     def samples(self, size: int, *, symmetric: bool = False) -> FloatArray:
@@ -91,10 +95,10 @@ class Window:
 
 
 WINDOWS = {w.name: w for w in (
-    Window("box", (1.0,)),
-    Window("hann", (0.5, 0.5)),
-    Window("blackman", (0.42, 0.5, 0.08)),
-    Window("kaiser-bessel"),
+    Window("box", "no window", (1.0,)),
+    Window("hann", "Hann", (0.5, 0.5)),
+    Window("blackman", "Blackman", (0.42, 0.5, 0.08)),
+    Window("kaiser-bessel", "Kaiser-Bessel"),
 )}  # fmt: skip
 """The windows of the paper by name: eq:hann and app:window_comparison."""
 

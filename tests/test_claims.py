@@ -331,7 +331,7 @@ def peaked_sizes(c, w, s, k):
     return np.where(k < 1, 1.0, 0.1) * own * {15: 1.0, 30: 0.8, 45: 0.5}.get(c.spread, np.where(k < 1, 0.3, 0.01))
 
 
-BLACKMANS = {"blackman": Window("blackman", (0.4209, 0.49953, 0.07957)), "hann": Stretched(0.65)}
+BLACKMANS = {"blackman": Window("blackman", "Blackman", (0.4209, 0.49953, 0.07957)), "hann": Stretched(0.65)}
 WORLDS = {
     "nothing": MadeUp(nothing, {"box": WINDOWS["hann"], "blackman": WINDOWS["box"], "hann": WINDOWS["box"]}),
     "everything": MadeUp(everything, {"box": Diagonal("diagonal"), "hann": Diagonal("diagonal")}, (1.0, 1.0, 2.0)),

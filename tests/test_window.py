@@ -102,7 +102,7 @@ def test_sidelobe_envelope_bounds_what_any_wave_leaks(name, size):
 
 
 def test_a_new_cosine_sum_needs_nothing_but_its_coefficients():
-    w = Window("hamming", (0.54, 0.46))
+    w = Window("hamming", "Hamming", (0.54, 0.46))
     assert w.samples(8)[0] == pytest.approx(0.08, abs=1e-16)
     assert w.response([0], [0.0], 8)[0, 0] == pytest.approx(0.54 * 8, rel=1e-15)
 

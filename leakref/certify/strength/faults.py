@@ -234,7 +234,7 @@ _WINDOW = (
     Fault("symmetric-taper", "window", "conformance", "the window is sampled symmetrically, over n - 1 (D1)",
           (Change("window", "(size - 1 if symmetric else size)", "(size - 1)"),)),
     Fault("hamming-for-hann", "window", "conformance", "the Hamming window stands in place of Hann's",
-          (Change("window", 'Window("hann", (0.5, 0.5))', 'Window("hann", (0.54, 0.46))'),)),
+          (Change("window", 'Window("hann", "Hann", (0.5, 0.5))', 'Window("hann", "Hann", (0.54, 0.46))'),)),
     Fault("blackman-sign", "window", "conformance", "the third coefficient of the Blackman window has the wrong sign",
           (Change("window", "(0.42, 0.5, 0.08)", "(0.42, 0.5, -0.08)"),)),
     Fault("kaiser-without-pi", "window", "conformance", "the shape of the Kaiser-Bessel window lacks the factor pi",
