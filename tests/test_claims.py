@@ -205,7 +205,7 @@ class Stretched(Window):
     """A Hann window whose lobes are wider by a factor."""
 
     def __init__(self, factor):
-        super().__init__("stretched", (0.5, 0.5))
+        super().__init__("stretched", "Stretched", (0.5, 0.5))
         object.__setattr__(self, "factor", factor)
 
     def transform(self, offset):
