@@ -103,7 +103,7 @@ def test_where_there_is_no_place_at_all_it_is_compiled_without_one(foreign, tmp_
     code = (
         "import tempfile\ndef full(*a, **k): raise OSError(28, 'full')\ntempfile.mkdtemp = full\n"
         "from leakref._caches import njit\nimport os\n"
-        "from leakref.fast import score\nprint('NUMBA_CACHE_DIR' in os.environ, score.POOL)"
+        "from leakref.fast import basins\nprint('NUMBA_CACHE_DIR' in os.environ, basins.POOL)"
     )
     done = run(foreign, tmp_path, code)
     assert (done.returncode, done.stdout, done.stderr) == (0, "False 8\n", "")

@@ -12,7 +12,6 @@ from leakref._caches import njit
 __all__ = ["least_squares", "only_leaked"]
 
 _compiled: Any = njit(nogil=True, error_model="numpy")
-_summing: Any = njit(nogil=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
 
 
 @_compiled

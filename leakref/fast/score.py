@@ -1,10 +1,10 @@
 # mypy: disallow-untyped-defs=False
-"""Climbing the score of a shell, searching it, and least squares, compiled: part of `leakref.fast`.
+"""Climbing the score of a shell, compiled: part of `leakref.fast`.
 
 Around one velocity the score is a polynomial in the two components of the velocity. One pass over the columns of a
 shell gives its coefficients (`_expand`); after that an evaluation costs the same whatever the size of the shell, so
-that SciPy's Nelder-Mead can be followed step by step (`climb`). Other basins are looked for on a coarse lattice first,
-with a bound on the scores in between (`peaks`). Frequencies are counted in bins, wavenumbers in bins per velocity.
+that SciPy's Nelder-Mead can be followed step by step (`climb`). Frequencies are counted in bins, wavenumbers in bins
+per velocity.
 """
 
 from __future__ import annotations

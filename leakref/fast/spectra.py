@@ -1,5 +1,5 @@
 # mypy: disallow-untyped-defs=False
-"""The magnitudes of a spectrum in closed form, compiled: part of `leakref.fast`.
+"""The magnitudes of a spectrum in closed form, in products of matrices and compiled loops: part of `leakref.fast`.
 
 Only the bins of the shells are computed, and all windows come from one pass (`_box_rows`, `_taper`). Seen from far
 off along omega the waves are one smooth function, known from some thirty nodes (`_Band`). Waves that are no lattice are
@@ -18,7 +18,6 @@ import numpy as np
 
 from leakref import leakage
 from leakref._base import ComplexArray, FloatArray, IntArray
-from leakref._caches import njit
 from leakref.fast.kernels import _FINER, _TILE, _WIDE, _mirror, _moving, _spreading, _taper
 from leakref.grid import Grid
 from leakref.sea import Components
@@ -29,8 +28,6 @@ __all__ = ["Disc", "magnitudes"]
 _BLOCK = 8  # frequencies in a block of the products, so that it stays in the cache
 _SHAPE = 0.976 * np.pi * _WIDE * (1 - _FINER[1] / (2 * _FINER[0]))  # of the bell
 _NODES = 34.0  # -log of the error of the interpolation along omega
-_compiled: Any = njit(nogil=True, error_model="numpy")
-_summing: Any = njit(nogil=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
 
 
 @dataclass(frozen=True)
