@@ -50,7 +50,7 @@ _WORDS = {
     "current_direction": r"$\theta_U$ = {:g}°",
     "rotation": "rotated by {:g}°",
 }
-WINDOW_WORDS = {window.name: window.title for window in WINDOWS.values()}
+WINDOW_WORDS = {window.name: window.title or window.name for window in WINDOWS.values()}
 """Windows as a reader calls them."""
 
 

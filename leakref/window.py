@@ -41,7 +41,7 @@ class Window:
     """
 
     name: str
-    title: str
+    title: str = ""
     coefficients: tuple[float, ...] = ()
 
     def samples(self, size: int, *, symmetric: bool = False) -> FloatArray:
