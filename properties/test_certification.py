@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shlex
+
 import pytest
 
 from leakref.certify.checks.registry import Case, Check
@@ -19,6 +21,8 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     metafunc.parametrize(("check", "case"), pairs, ids=[f"{check.id}[{case.id}]" for check, case in pairs])
 
 
-def test_check(examined: Examined, check: Check, case: Case) -> None:
+def test_check(examined: Examined, check: Check, case: Case, pytestconfig: pytest.Config) -> None:
     """What the check says of its own tolerance; `leakref explain` prints it."""
-    settle(check(examined.subject, case))
+    asked = pytestconfig.pluginmanager.get_plugin(ASKED)
+    given = shlex.quote(asked.target or asked.command) if asked else None
+    settle(check(examined.subject, case), f"--command {given}" if asked and asked.command else given)

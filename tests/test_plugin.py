@@ -101,7 +101,7 @@ def test_right_code_passes_and_wrong_code_fails(project, name, outcomes, status)
             "*but should be*",
             "*fail signs.aligned?to-22.5? (* times the tolerance)*",
             "*comes back negated*",
-            "*leakref certify TARGET --only*",
+            "leakref certify mycode:negated --only *",
         ):
             result.stdout.fnmatch_lines([line])
 
@@ -172,6 +172,7 @@ def test_a_decorated_test_is_one_for_each_check(project):
     )
     result.assert_outcomes(passed=4 + 3 + 8, failed=3 + 1, xfailed=1)
     result.stdout.fnmatch_lines(["*XPASS(strict)* the sign (#3)*"])
+    result.stdout.fnmatch_lines(["leakref certify *:negated --only 'signs.*"])  # what a failure says can be pasted
     assert result.ret == 1
 
 
@@ -186,8 +187,14 @@ def test_a_decorated_test_of_which_all_is_skipped_fails(project):
     ("given", "words"),
     [
         ({"known": {"signs.nosuch[a]": {"reason": "a", "issue": "b"}}}, "is none of the"),
-        ({"known": {"signs.aligned[to-22.5]": {"reason": "a"}}}, "give it a reason and an issue"),
-        ({"known": {"signs.aligned[to-22.5]": {"reason": "a", "issue": " "}}}, "give it a reason and an issue"),
+        ({"known": {"signs.nosuch[a]": "a"}}, "is none of the"),
+        ({"known": {"signs.aligned[to-22.5]": {"reason": "a"}}}, "give it a reason in words"),
+        ({"known": {"signs.aligned[to-22.5]": {"reason": " ", "issue": "#3"}}}, "give it a reason in words"),
+        ({"known": {"signs.aligned[to-22.5]": ""}}, "give it a reason in words"),
+        ({"known": {"signs.aligned[to-22.5]": 3}}, "give it a reason in words"),
+        ({"known": ["signs.aligned[to-22.5]"]}, r"known = \['signs.aligned\[to-22.5\]'\] is of the type list"),
+        ({"known": 3}, "known = 3 is of the type int"),
+        ({"known": "nosuch.toml"}, "nosuch.toml cannot be read"),
         ({"profile": "quik"}, "choose quick or full"),
         ({"only": ["nosuch"]}, "no check is called 'nosuch'"),
     ],
@@ -197,12 +204,19 @@ def test_a_decorator_that_makes_no_sense_is_refused(given, words):
         parametrize_with_checks("reference", **given)
 
 
-def test_known_failures_may_stand_in_a_file(tmp_path):
+def test_known_failures_may_be_given_in_every_likely_way(tmp_path):
     file = tmp_path / "known.toml"
     file.write_text('"signs.aligned[to-22.5]" = {reason = "the sign", issue = "#3"}')
-    mark = parametrize_with_checks("reference", only=["signs.aligned"], known=file).mark
-    strict = [m.kwargs for one in mark.args[1] for m in one.marks if m.name == "xfail"]
-    assert strict == [{"strict": True, "reason": "the sign (#3)"}]
+    said = {"reason": "the sign", "issue": "#3"}
+    for known, reason in (
+        (file, "the sign (#3)"),
+        (str(file), "the sign (#3)"),
+        ({"signs.aligned[to-22.5]": said}, "the sign (#3)"),
+        ({"signs.aligned[to-22.5]": "the sign"}, "the sign"),
+    ):
+        mark = parametrize_with_checks("reference", only=["signs.aligned"], known=known).mark
+        strict = [m.kwargs for one in mark.args[1] for m in one.marks if m.name == "xfail"]
+        assert strict == [{"strict": True, "reason": reason}]
 
 
 def test_full_means_more_examples():

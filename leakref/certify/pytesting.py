@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import shlex
+import sys
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
@@ -22,13 +25,22 @@ from leakref.plugin import MARK
 __all__ = ["parametrize_with_checks", "settle"]
 
 
-def settle(finding: Finding) -> None:
-    """A finding as the outcome of a test: nothing, a skip where there was nothing to judge, or a failure."""
+def settle(finding: Finding, target: str | None = None) -> None:
+    """A finding as the outcome of a test: nothing, a skip where there was nothing to judge, or a failure.
+
+    A failure ends with a line that can be pasted: of `leakref certify` where it is known what is to stand there for
+    TARGET, else of pytest.
+    """
     if finding.verdict in (Verdict.UNSUPPORTED, Verdict.MISSING):
         pytest.skip(f"{finding.verdict}: {finding.message}")
     if finding.verdict is not Verdict.PASS:
         over = "" if finding.over is None else f" ({finding.over:.3g} times the tolerance)"
-        pytest.fail(f"{finding.verdict} {finding.id}{over}\n{finding.message}\n{finding.repro}", pytrace=False)
+        again = finding.repro.replace("TARGET", target) if target else _this_test()
+        pytest.fail(f"{finding.verdict} {finding.id}{over}\n{finding.message}\n{again}", pytrace=False)
+
+
+def _this_test() -> str:
+    return f"pytest {shlex.quote(os.environ.get('PYTEST_CURRENT_TEST', '').rpartition(' ')[0])}"
 
 
 def parametrize_with_checks(
@@ -36,7 +48,7 @@ def parametrize_with_checks(
     *,
     profile: str = "quick",
     only: Sequence[str] = (),
-    known: Mapping[str, Mapping[str, str]] | Path | None = None,
+    known: Mapping[str, str | Mapping[str, str]] | Path | str | None = None,
 ) -> Any:
     """Decorate a test that calls its argument `check`: it becomes one test for each finding of `leakref certify`.
 
@@ -45,13 +57,13 @@ def parametrize_with_checks(
             check()
 
     `implementation` is an object or a function (guide protocol, section 5), or a TARGET in words; `only` are families,
-    checks or patterns of ids. `known` are failures that are accepted for now, {id: {"reason": ..., "issue": ...}} or a
-    TOML file of that: they must fail, and one that passes fails the test until it is taken off. Raises LeakrefError for
-    an unknown check, profile or known failure.
+    checks or patterns of ids. `known` are failures that are accepted for now, {id: reason}, {id: {"reason": ...,
+    "issue": ...}} or the path of a TOML file of the latter: they must fail, and one that passes fails the test until it
+    is taken off. Raises LeakrefError for an unknown check, profile or known failure.
     """
     if profile not in ("quick", "full"):
         raise LeakrefError("parametrize_with_checks", f"no profile is called {profile!r}", "choose quick or full")
-    accepted = read_known(known) if isinstance(known, Path) else _known(known or {})
+    accepted = read_known(Path(known)) if isinstance(known, Path | str) else _known(known or {})
     ids = {identifier for check, _ in select() for identifier, _ in check.ids()}
     if unknown := sorted(set(accepted) - ids):
         raise LeakrefError(
@@ -59,6 +71,9 @@ def parametrize_with_checks(
             f"the known failure {unknown[0]!r} is none of the {len(ids)} there are",
             "correct the id; `leakref certify --list` prints all",
         )
+
+    name = implementation if isinstance(implementation, str) else _address(implementation)
+    target = name and shlex.quote(name)
 
     @cache
     def subject() -> Subject:  # made when the first test runs, so that collecting is quick
@@ -68,7 +83,7 @@ def parametrize_with_checks(
         "check",
         [
             pytest.param(
-                _bound(check, case, subject),
+                _bound(check, case, subject, target),
                 id=f"{check.id}[{case.id}]",
                 marks=_marks(accepted.get(f"{check.id}[{case.id}]")),
             )
@@ -81,26 +96,46 @@ def _made(implementation: Any) -> Any:
     return implementation() if isinstance(implementation, type) else implementation
 
 
-def _known(given: Mapping[str, Mapping[str, str]]) -> dict[str, Known]:
-    for identifier, row in given.items():
-        if set(row) != {"reason", "issue"} or not all(str(words).strip() for words in row.values()):
+def _address(implementation: Any) -> str | None:
+    """What names an object on the command line; None for what no module holds under its own name."""
+    module, name = getattr(implementation, "__module__", None), getattr(implementation, "__qualname__", "<none>")
+    found: Any = sys.modules.get(str(module))
+    for part in name.split("."):
+        found = getattr(found, part, None)
+    return f"{module}:{name}" if found is implementation and module != "__main__" else None
+
+
+def _known(given: Any) -> dict[str, Known]:
+    if not isinstance(given, Mapping):
+        raise LeakrefError(
+            "parametrize_with_checks",
+            f"known = {given!r} is of the type {type(given).__name__}",
+            'give {"id": "reason", ...}, or the path of a TOML file',
+        )
+    found = {}
+    for identifier, said in given.items():
+        row = {"reason": said, "issue": ""} if isinstance(said, str) else said
+        words = list(row.values()) if isinstance(row, Mapping) and row.keys() == {"reason", "issue"} else [None]
+        if not all(isinstance(w, str) for w in words) or not str(words[0]).strip():
             raise LeakrefError(
                 "parametrize_with_checks",
-                f"the known failure {identifier!r} is given as {dict(row)!r}",
-                "give it a reason and an issue in words",
+                f"the known failure {identifier!r} is given as {said!r}",
+                'give it a reason in words, or {"reason": ..., "issue": ...}',
             )
-    return {identifier: Known(identifier, **row) for identifier, row in given.items()}
+        found[str(identifier)] = Known(str(identifier), row["reason"], row["issue"])
+    return found
 
 
 def _marks(known: Known | None) -> list[pytest.MarkDecorator]:
     marks = [getattr(pytest.mark, MARK)]
     if known is not None:
-        marks.append(pytest.mark.xfail(strict=True, reason=f"{known.reason} ({known.issue})"))
+        issue = f" ({known.issue})" if known.issue else ""
+        marks.append(pytest.mark.xfail(strict=True, reason=known.reason + issue))
     return marks
 
 
-def _bound(check: Check, case: Case, subject: Callable[[], Subject]) -> Callable[[], None]:
+def _bound(check: Check, case: Case, subject: Callable[[], Subject], target: str | None) -> Callable[[], None]:
     def run() -> None:
-        settle(check(subject(), case))
+        settle(check(subject(), case), target)
 
     return run
