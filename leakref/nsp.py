@@ -37,7 +37,7 @@ from leakref.spectrum import Spectrum
 
 __all__ = [
     "START", "UNKNOWN", "WIDTH", "another_basin", "characteristic_function", "extract", "leaves_the_band",
-    "normalized_scalar_product", "optimum", "remarks", "score_derivatives",
+    "normalized_scalar_product", "optimum", "remarks", "score_derivatives", "score_range",
 ]  # fmt: skip
 
 WIDTH = 4.0
@@ -134,7 +134,7 @@ def _ascend(shell: Shell, velocity: FloatArray, width: float, unit: float) -> tu
     return velocity, count, False
 
 
-def _reach(shell: Shell, width: float, unit: float) -> float:
+def score_range(shell: Shell, width: float, unit: float) -> float:
     """The largest |c| at which the score still means something: past it G leaves the Nyquist range."""
     return min(_REACH * unit, (float(shell.omega[-1]) - shell.frequency - 3 * width) / shell.wavenumber)
 
@@ -166,7 +166,7 @@ def _scores(shell: Shell, velocities: FloatArray, width: float) -> FloatArray:
 
 def another_basin(shell: Shell, found: FloatArray, score: float, width: float, unit: float) -> bool:
     """Whether some other maximum within reach scores higher: a search on a lattice of half widths, then Newton."""
-    reach = _reach(shell, width, unit)
+    reach = score_range(shell, width, unit)
     if reach <= 0:
         return False
     spacing = width / (2 * shell.wavenumber)
@@ -207,7 +207,7 @@ def optimum(shell: Shell, width: float, unit: float, *, search: bool = True) -> 
         return nothing(Note.EDGE if has_left else Note.UNCONVERGED, evaluations)
     score, gradient, hessian = score_derivatives(shell, velocity, width)
     soft, stiff = np.linalg.eigvalsh(-hessian)
-    beyond = np.hypot(*velocity) > _reach(shell, width, unit)
+    beyond = np.hypot(*velocity) > score_range(shell, width, unit)
     if beyond and (has_left or soft <= UNKNOWN * stiff):
         return nothing(Note.EDGE, evaluations)
     near = np.any([np.abs(shell.omega - centre[:, None]) <= width for centre in _centres(shell, velocity)], axis=0)

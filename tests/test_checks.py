@@ -462,6 +462,8 @@ def test_exact_answers_may_be_off_by_a_little_or_by_nothing_in_score(subject):
     np.testing.assert_allclose(over("ls", 2.1e-4), 1.05, rtol=1e-9)
     assert over("nsp", 2.1e-4).max() < 1  # more than is allowed by argument, less by score
     assert over("nsp", 0.02).min() > 1
+    for far in (1.3, 74.0, -74.0, 1e6):  # where next to nothing of G is left, whatever there is may score high
+        np.testing.assert_allclose(over("nsp", far), abs(far) / criteria.EXACT, rtol=1e-9)
     assert over("fit", 0.02).max() < 1
 
 

@@ -15,7 +15,7 @@ from leakref.certify.checks.registry import Outcome
 from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Unanswered, Verdict
 from leakref.methods import METHODS
-from leakref.nsp import WIDTH
+from leakref.nsp import WIDTH, score_range
 from leakref.shell import Extraction, shell_at
 from leakref.spectrum import Spectrum, fourier
 from leakref.window import WINDOWS
@@ -157,9 +157,16 @@ def exactly(
 def as_good(
     over: FloatArray, cube: Cube, window: str, method: str, found: FloatArray, should: FloatArray
 ) -> FloatArray:
-    """Error over tolerance (n,) by the score, where that is kinder: of methods that maximise one."""
+    """Error over tolerance (n,) by the score, where that is kinder: of methods that maximise one.
+
+    No answer passes by its score that lies beyond the range in which a score means anything (`nsp.score_range`).
+    """
     if method in METHODS and METHODS[method].score:
+        a = WIDTH * cube.grid.frequency_resolution
         for n in np.flatnonzero(over > 1):
+            shell = shell_at(_spectrum(cube, window), float(cube.wavenumbers[n]))
+            if not np.hypot(*found[n]) <= score_range(shell, a, 1.0):
+                continue
             best, own = (score(cube, window, float(cube.wavenumbers[n]), c[n], method) for c in (should, found))
             over[n] = min(over[n], max((1 - own / best) / FLATTER, 0.0))
     return over
