@@ -464,6 +464,10 @@ def test_exact_answers_may_be_off_by_a_little_or_by_nothing_in_score(subject):
     assert over("nsp", 0.02).min() > 1
     for far in (1.3, 74.0, -74.0, 1e6):  # where next to nothing of G is left, whatever there is may score high
         np.testing.assert_allclose(over("nsp", far), abs(far) / criteria.EXACT, rtol=1e-9)
+    two, far = pair(inputs.EVEN, (5, 3), (-2, 5), (0.1, 0.2)), np.array([[-58.88, 96.42]])
+    k = float(two.wavenumbers[0])
+    assert score(two, "box", k, far[0]) > 20 * score(two, "box", k, two.truth[0])
+    assert criteria.exactly(subject, two, "box", "nsp", far, two.truth[:1]).min() > 1e5
     assert over("fit", 0.02).max() < 1
 
 
