@@ -12,17 +12,27 @@ from rich.markup import escape
 from leakref._base import Damaged, LeakrefError
 from leakref._output import dump, envelope
 
-__all__ = ["TERMS", "explain", "run"]
+__all__ = ["STAGES", "TERMS", "explain", "run"]
 
 Explanation = dict[str, Any]
+STAGES = {
+    "extract": "Given: the surface elevation of a cube over x, y and t, its spacings, gravity, a window, a method and "
+    "the wavenumbers wanted; the water is deep. Wanted: one velocity (x, y) at each of them, in the units of the cube.",
+    "spectrum": "Given: the surface elevation of a cube, its spacings and a window. Wanted: its complex spectrum.",
+    "window": "Given: the name of a window and a number of samples. Wanted: the samples of the window.",
+    "synthesize": "Given: waves by wave vector, frequency, amplitude and phase, and coordinates. Wanted: the surface.",
+}
+"""What a code is given at each stage, and what it is to return: in its own axes and units (guide protocol)."""
 TERMS = {
-    "c0": "the phase velocity of the waves at the peak of the spectrum, the unit of velocities in all checks",
+    "reference": "leakref's own extraction from the same cube, by the paper's two methods",
+    "c0": "the phase velocity of the waves at the peak of the spectrum, the unit of velocities "
+    "in all checks; where there are a few waves only, that of a wave of k = 1",
     "|c - U|": "how far the velocity c that was found is from the true one, U, as a length",
-    "velocity resolution": "the smallest change of velocity that the cube can show: domega / k by the width of a bin "
-    "in frequency (domega = 2 pi / duration), cg dk / k by that of a bin in wavenumber (dk = "
-    "2 pi / length), where cg is the group velocity; one is smaller, one larger (eq:dcdwk)",
-    "nothing to note": "the reference has a velocity there and no reason to doubt it; a reason would be another "
-    "velocity that scores higher, or an optimum that is flat (`leakref.Note` lists them)",
+    "velocity resolution": "by how much a velocity changes if a wave of that wavenumber k moves by one bin: domega / k "
+    "along frequency (domega = 2 pi / duration), cg dk / k along wavenumber (dk = 2 pi / the shorter side, cg the "
+    "group velocity); at each k one of the two is smaller, one larger (eq:dcdwk). A fit to many bins does better",
+    "nothing to note": "the reference has a velocity there and no reason to doubt it, such as another velocity that "
+    "scores higher, or a maximum that is flat (all of them: `leakref.Note`)",
     "NSP": "the paper's normalized scalar product, method `nsp`: the velocity with the highest score",
     "score": "the value of what the NSP maximises, N of eq:normSp, as the reference computes it",
     "least squares": "the paper's second method, `ls`: the velocity that fits the strongest bins best",
@@ -127,6 +137,7 @@ def _check(identifier: str) -> Explanation | None:
         "reason": c.reason,
         **_stands(c.label),
         "stage": c.stage,
+        "asked": STAGES.get(c.stage, ""),
         "tolerance": c.tolerance,
         "terms": _terms(f"{c.reason} {c.tolerance}"),
         **one,
@@ -137,7 +148,11 @@ def _check(identifier: str) -> Explanation | None:
 
 def _stands(label: str) -> dict[str, str]:
     """What a check leans on: an equation or a section of the paper, or the protocol."""
-    return {"rule": "leakref guide protocol, section 8"} if label == "protocol" else {"equation": label}
+    return (
+        {"rule": "leakref guide protocol, section 8"}
+        if label == "protocol"
+        else {"equation": f"{label} of the paper (arXiv 2311.01265)"}
+    )
 
 
 def _terms(said: str) -> dict[str, str]:

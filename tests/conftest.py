@@ -20,21 +20,33 @@ RECTANGULAR = (
 )
 
 
+# files that take longest come first: none is begun when the others are through
+LONGEST = ("test_checks", "test_protocol", "test_golden", "test_certify_command", "test_caches", "test_ensemble",
+           "test_exits", "test_ending", "test_plugin", "test_strength", "test_variants", "test_diagnosis",
+           "test_properties", "test_real_codes", "test_fast", "test_claims", "test_tracking", "test_guide")  # fmt: skip
+
+
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--slow", action="store_true", help="also run the tests marked slow")
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_cmdline_main(config: pytest.Config) -> None:
-    """All tests take some processes, file by file; tests that are named, benchmarks and debuggers stay in this one."""
+    """All tests take some processes, file by file; tests that are named, benchmarks and debuggers stay in this one.
+
+    One process more than there are cores: a quarter of the time is spent waiting for programs to end.
+    """
     given = config.option
     named = given.file_or_dir or given.keyword or given.markexpr or given.benchmark_only or given.usepdb
     inside = "PYTEST_XDIST_WORKER" in os.environ  # one of them already, which is asked the same
     if not (named or inside) and getattr(given, "numprocesses", 0) is None:
-        given.numprocesses, given.dist = min(os.cpu_count() or 1, 4), "loadfile"
+        given.numprocesses, given.dist, given.loadscopereorder = min((os.cpu_count() or 1) + 1, 5), "loadfile", False
 
 
+@pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    rank = {name: n for n, name in enumerate(LONGEST)}
+    items.sort(key=lambda item: rank.get(item.path.stem, len(rank)))
     if not config.getoption("--slow"):
         for item in items:
             if "slow" in item.keywords:

@@ -32,7 +32,7 @@ SIZES = {
     "prime": Grid((43, 47, 71), (0.7, 0.65, 0.87)),
     "oblong": Grid((36, 60, 50), (0.8, 0.55, 1.1)),
 }
-ABSOLUTE = "There is none: it either is so or is not."
+ABSOLUTE = "There is no tolerance: it is either so or not."
 
 
 def _sea(*wavenumbers: float, grid: Grid = SEA) -> Cube:
@@ -184,10 +184,15 @@ def check_refuses(subject: Subject, case: Case) -> Outcome:
 
 
 @check(
-    "behaviour", "eq:g", ABSOLUTE + " A number there is reported and passes; NaN or infinity does not.", [Case("past")]
+    "behaviour",
+    "eq:g",
+    "No number is compared. An error, or no answer (null) for that wavenumber, passes. A finite number passes too, "
+    "since it does no harm elsewhere, and is reported. NaN or infinity fails: neither says that there is no answer.",
+    [Case("past")],
 )
 def check_past_nyquist(subject: Subject, case: Case) -> Outcome:
-    """Past the Nyquist wavenumber there is nothing to measure: an error or null says so, a number hides it."""
+    """Past the Nyquist wavenumber, pi / dx, there is nothing to measure, and a code should say so: by an error, or by
+    null for that wavenumber."""
     if "wavenumbers" in subject.declaration.fixed or subject.declaration.band:
         raise Unanswered(Verdict.UNSUPPORTED, "cannot be told which wavenumbers")
     cube = _sea(1.15 * SEA.nyquist[0])

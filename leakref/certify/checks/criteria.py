@@ -57,18 +57,20 @@ FRACTION = 0.1
 NEVER = 1e6
 """The error over tolerance of what is either right or wrong."""
 TOLERANCE = (
-    "the larger of the two velocity resolutions. A method other than the NSP may err by more: by twice the error that "
-    "the reference itself makes there by least squares"
+    "the larger of the two velocity resolutions; for a method other than the NSP, that plus twice the "
+    "error of the reference's own least squares in the same cube at the same wavenumber"
 )
 """`tolerance` in words."""
 IN_THE_MEAN = (
     "The error |c - U| in c0, averaged over the wavenumbers at which the reference has nothing to note, may be as "
-    f"large as {TOLERANCE}."
+    f"large as the average of {TOLERANCE}."
 )
 """`in_the_mean` in words."""
 EXACT_OR_SCORE = (
-    "The error may be 2e-4 c0, three times what optimisers with default tolerances were seen to miss by. The NSP may "
-    "instead have a score within a relative 1e-6 of that of the exact velocity."
+    "Each velocity may be off by 2e-4 c0 (the length of the error), three times what optimisers with default "
+    "tolerances were seen to miss by. An NSP velocity that is further off passes all the same if the reference gives "
+    "it a score within a relative 1e-6 of that of the exact velocity: the maximum is then so flat that no optimiser "
+    "tells the two apart."
 )
 EXACTLY = EXACT_OR_SCORE + (
     " A method that the reference does not have, or one velocity for the whole band, may be off by the smaller of the "

@@ -27,9 +27,9 @@ from leakref.currents import UniformCurrent
 __all__ = ["check_aligned", "check_backwards", "check_strong"]
 
 WITHIN = (
-    "The error |c - U| in c0, the median over the wavenumbers at which the reference has nothing to note, may be "
-    f"as large as {TOLERANCE}. The reference stays below a third of the tolerance. It is the median because at "
-    "one of the wavenumbers the best score may be that of another velocity."
+    "The error |c - U| in c0 is compared, at each wavenumber at which the reference has nothing to note, with "
+    f"{TOLERANCE}. The median of these ratios may be 1: one wavenumber at which a code settles on another maximum of "
+    "the score does not decide. The reference's NSP stays below a third."
 )
 FAST = (2.05, 2.06, 2.08, 2.1)
 """Where waves are swept backwards, and a search from zero current still finds it: above 2.15 some end in its mirror

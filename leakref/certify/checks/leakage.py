@@ -128,10 +128,12 @@ def _means(errors: FloatArray) -> list[float | None]:
 @check(
     "leakage",
     "sec:leakage",
-    "The error |c - U| in c0 may exceed the reference's in the same sea, in the mean over "
-    "wavenumbers and seas, by half of the smaller of the two velocity resolutions; that of a method that the "
-    "reference does not have, or of one velocity for the whole band, by the larger. It fails if Student's t-test "
-    "finds it above that, at a rate of false alarms of 1e-3 for a whole run, divided among the tests of the run.",
+    "In each sea the error |c - U| in c0, averaged over wavenumbers, is compared with that of the reference by the "
+    "same method. In the mean over the seas it may be larger by half of the smaller of the two velocity resolutions, "
+    "below which no user would see it; for a method that the reference does not have, or one velocity for the whole "
+    "band, by the whole larger one. As there are few seas, the check fails only if a one-sided Student's t-test over "
+    "them finds the mean excess above that: all such tests of a run together reject a code at the limit once in a "
+    "thousand runs.",
     [
         Case(f"{name}-{count}", {**given, "count": count}, quick=count == 6)
         for name, given in (
@@ -143,7 +145,7 @@ def _means(errors: FloatArray) -> list[float | None]:
     ],
 )
 def check_bias(subject: Subject, case: Case) -> Outcome:
-    """The bias from leakage, realisation by realisation beside the reference's: a code that is sound in one sea may be
+    """The mean error from leakage, sea by sea beside the reference's: a code that is sound in one sea may be
     worse than need be in the mean of many."""
     given, window = case.given, tapered(subject)
     current = UniformCurrent(polar(given["speed"], given["direction"] + 70))

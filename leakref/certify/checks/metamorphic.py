@@ -20,9 +20,10 @@ SAME, BACK = np.eye(2), -np.eye(2)
 MIRROR_X, MIRROR_Y = np.diag([-1.0, 1.0]), np.diag([1.0, -1.0])
 EXCHANGE, LEFT = np.array([[0.0, 1.0], [1.0, 0.0]]), np.array([[0.0, -1.0], [1.0, 0.0]])
 CLOSE = (
-    "A velocity in c0 may differ by a tenth of the smaller of the two velocity resolutions, at wavenumbers at "
-    "which the reference has nothing to note. The relation is exact: the tenth is for optimisers that stop early "
-    "and for single precision."
+    "The code is asked twice, for the surface as it is and for the changed one. At each wavenumber at which the "
+    "reference has nothing to note the second velocity may differ from the first, changed likewise, by a tenth of the "
+    "smaller of the two velocity resolutions. The relation is exact, but in a sea the maximum is flatter than for "
+    "waves on bins: the tenth is for optimisers that stop early there, and for single precision."
 )
 WINDOWS = (("tapered", True), ("untapered", False))
 

@@ -69,8 +69,8 @@ def check_peak(subject: Subject, case: Case) -> Outcome:
     [Case("brief", {"grid": BRIEF}), Case("ten-periods", {"grid": SEA}, quick=False), Case("long", {"grid": LONG})],
 )
 def check_duration(subject: Subject, case: Case) -> Outcome:
-    """The same current seen for three, ten and eighteen periods: a width that does not follow the frequency bins is too
-    narrow for the one or too wide for the other."""
+    """The same current seen for three periods of the peak (brief), ten, or eighteen (long): a width of the band around
+    the dispersion relation that does not follow the frequency bins is too narrow for some or too wide for others."""
     cube = inputs.sea(
         70.0,
         100.0,

@@ -62,8 +62,9 @@ def _slope(cube: Cube, velocities: FloatArray, there: npt.NDArray[np.bool_]) -> 
 @check(
     "shear",
     "eq:SJ",
-    "The change of the velocity with log k, in c0, may be off by six tenths of the true change: a "
-    "little more than half of the way to no change at all, and twice what the reference's least squares is off.",
+    "The slope of a straight line through the velocities against the natural logarithm of k, a vector in c0, may be "
+    "off by six tenths of the length of the true one. A code that finds no change is off by ten tenths, one with the "
+    "profile upside down by twenty; the reference's least squares is off by three.",
     CASES,
 )
 def check_slope(subject: Subject, case: Case) -> Outcome:

@@ -90,13 +90,14 @@ def check_sea(subject: Subject, case: Case) -> Outcome:
 @check(
     "signs",
     "eq:SnJ",
-    "The error may be half of the way from the true velocity to the nearest that a slip of sign "
-    "or order would give: 0.08 c0 at least. The true velocity is known exactly.",
+    "The length of the error may be half of the distance from the true velocity to the nearest of those that a slip "
+    "would give: the true one with x, y or both reversed, or with x and y exchanged. In all cases that is more than "
+    "0.08 c0, though the true velocity is known exactly.",
     CASES,
 )
 def check_aligned(subject: Subject, case: Case) -> Outcome:
-    """Two waves on bins do not leak: a sign slip in the 2 x 2 solve, which a sea may hide in one component, shows here
-    whatever the window does."""
+    """Two waves with whole numbers of wavelengths and periods in the cube, on a current towards `direction`, in degrees
+    anticlockwise from x: a slip of sign in one component, which a sea may hide, shows here whatever the window does."""
     cube = inputs.pair(inputs.EVEN, (5, 3), (-2, 5), polar(SPEED, case.given["direction"]))
     window = untapered(subject)
 
