@@ -10,6 +10,7 @@ import pytest
 
 from leakref import LeakrefError
 from leakref.certify.certificate import Certificate, Known, junit, read_known, schema
+from leakref.certify.report import badge, sentence
 from leakref.certify.verdict import Finding, Verdict
 
 PASS, FAIL, MISSING, UNSUPPORTED, ERROR, TIMEOUT = Verdict
@@ -53,11 +54,20 @@ def test_the_grade_follows_from_the_findings(findings, grade, status):
     assert (found.grade, found.status, found.ok) == (grade, status, status == 0)
 
 
-def test_a_known_failure_does_not_count_and_one_that_passes_is_an_error():
+def test_a_known_failure_changes_the_exit_status_alone_and_one_that_passes_is_an_error():
     bad = finding("signs", FAIL, "bad")
     assert certificate(GOLDEN, bad).status == 1
     excused = certificate(GOLDEN, bad, SIGN, known=(bad.id,))
-    assert (excused.grade, excused.status) == ("conformant", 0)
+    assert (excused.grade, excused.status, excused.ok) == ("rejected", 0, True)
+    assert (excused.wrong, excused.unexpected) == ([bad], [])
+    assert sentence(excused) == "1 of 3 findings are wrong, known: 1."
+    assert ">rejected<" in badge(excused)
+    assert badge(excused) == badge(certificate(GOLDEN, bad, SIGN))
+    two = certificate(GOLDEN, bad, finding("scale", FAIL), known=(bad.id,))
+    assert (two.grade, two.status) == ("rejected", 1)
+    off = finding("conformance", FAIL, "off")
+    other = certificate(off, SIGN, known=(off.id,))
+    assert (other.grade, other.status) == ("sound", 0)  # a known difference is a difference
     better = certificate(GOLDEN, replace(bad, verdict=PASS), known=(bad.id,))
     assert (better.grade, better.status, better.ok) == ("conformant", 1, False)
     assert [one.id for one in better.stale] == [bad.id]

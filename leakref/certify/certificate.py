@@ -99,22 +99,32 @@ class Certificate:
 
     @property
     def wrong(self) -> list[Finding]:
-        """Failures, errors and time-outs that are not known."""
-        return [f for f in self.findings if f.verdict in WRONG and f.id not in self.known]
+        """Failures, errors and time-outs, known or not."""
+        return [f for f in self.findings if f.verdict in WRONG]
+
+    @property
+    def unexpected(self) -> list[Finding]:
+        """Those of them that are not known."""
+        return [f for f in self.wrong if f.id not in self.known]
 
     @property
     def grade(self) -> str | None:
         """Conformant, sound or rejected (guide protocol, section 12); None if nothing could be judged.
 
         Sound: nothing outside conformance is wrong, and no family was declined as a whole. Conformant: besides, nothing
-        in conformance is wrong or declined, and something was compared with golden values.
+        in conformance is wrong or declined, and something was compared with golden values. A failure that is known is
+        a failure: a list of them changes the exit status and nothing else.
         """
+        return self._graded(self.wrong)
+
+    def _graded(self, wrong: Sequence[Finding]) -> str | None:
+        """The grade, if no more than that was wrong."""
         if not any(f.verdict is not Verdict.MISSING for f in self.judged):
             return None
-        if any(f.family != "conformance" for f in self.wrong) or self._declined():
+        if any(f.family != "conformance" for f in wrong) or self._declined():
             return REJECTED
         golden = [f for f in self.judged if f.family == "conformance"]
-        complete = golden and not self.wrong and all(f.verdict is not Verdict.MISSING for f in golden)
+        complete = golden and not wrong and all(f.verdict is not Verdict.MISSING for f in golden)
         if complete:
             return CONFORMANT
         beyond = any(f.family != "conformance" for f in self.judged)
@@ -129,8 +139,8 @@ class Certificate:
 
     @property
     def ok(self) -> bool:
-        """Conformant or sound, and the list of known failures is up to date."""
-        return self.grade in (CONFORMANT, SOUND) and not self.stale
+        """Conformant or sound but for what is known, and the list of known failures is up to date."""
+        return self._graded(self.unexpected) in (CONFORMANT, SOUND) and not self.stale
 
     @property
     def status(self) -> int:

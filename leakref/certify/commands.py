@@ -206,7 +206,7 @@ def _print(found: Certificate, written: Sequence[Path], only: Sequence[str]) -> 
     reasons = {c.id: c.reason for c, _ in select()}
     colour = "yellow" if found.grade == SOUND else "red"  # it only differs
     told = set()
-    for finding in found.wrong[:_SHOWN]:
+    for finding in found.unexpected[:_SHOWN]:
         over = "" if finding.over is None else f" ({finding.over:.3g} times the tolerance)"
         show.print(
             f"[{colour}]{finding.verdict}[/] [bold]{escape(finding.id)}[/]{over}\n  {escape(finding.message)}",
@@ -218,8 +218,8 @@ def _print(found: Certificate, written: Sequence[Path], only: Sequence[str]) -> 
             if check in reasons:
                 show.print(f"  [dim]why: {escape(reasons[check])}[/]", soft_wrap=True)
             show.print(f"  [dim]again: {escape(finding.repro)}[/]", soft_wrap=True)
-    if len(found.wrong) > _SHOWN:
-        show.print(f"... and {len(found.wrong) - _SHOWN} more; --json or --report has all of them.")
+    if len(found.unexpected) > _SHOWN:
+        show.print(f"... and {len(found.unexpected) - _SHOWN} more; --json or --report has all of them.")
     for row in found.bias:
         show.print(f"bias, {escape(row['sea'])} sea, scale {row['scale']:g}: {escape(row['words'])}", soft_wrap=True)
     for finding in found.findings:
@@ -264,7 +264,7 @@ def _sentence(found: Certificate) -> str:
     from leakref.certify.report import sentence
 
     grade = found.grade or "not judged"
-    colour = "green" if found.ok else "red"
+    colour = "green" if found.ok and found.grade != REJECTED else "red"
     return (
         f"[{colour} bold]{grade}[/]: {sentence(found)} Golden set {found.golden}, {found.profile} profile, "
         f"{found.seconds:.0f} s."

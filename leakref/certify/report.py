@@ -35,7 +35,8 @@ def sentence(certificate: Certificate) -> str:
     if certificate.grade == "sound":
         return f"Another algorithm than the reference, and right wherever any algorithm must be ({n} findings judged)."
     if certificate.wrong:
-        return f"{len(certificate.wrong)} of {n} findings are wrong."
+        known = len(certificate.wrong) - len(certificate.unexpected)
+        return f"{len(certificate.wrong)} of {n} findings are wrong{f', known: {known}' if known else ''}."
     return "It gave no numbers for a whole family of checks."
 
 
