@@ -1,4 +1,9 @@
-"""The checks as tests of pytest, for a third party's own test file."""
+"""The checks as tests of pytest, for a third party's own test file.
+
+Each finding of `leakref certify` becomes a test of its own, with the id of the finding, so that `-k`, `--lf` and
+reports work as for any other test. The implementation is called in the process of the tests, without limits: for a code
+that may hang, crash or leak, `leakref certify` is the safer way. Importing this module imports pytest.
+"""
 
 from __future__ import annotations
 
@@ -30,6 +35,10 @@ def settle(finding: Finding, target: str | None = None) -> None:
 
     A failure ends with a line that can be pasted: of `leakref certify` where it is known what is to stand there for
     TARGET, else of pytest.
+
+    `target` is how the implementation is named on the command line, already quoted for a shell; None if it has no such
+    name. The outcome is raised as pytest wants it: `pytest.skip` for `unsupported` and `missing`, `pytest.fail` for the
+    others. A pass returns None.
     """
     if finding.verdict in (Verdict.UNSUPPORTED, Verdict.MISSING):
         pytest.skip(f"{finding.verdict}: {finding.message}")
@@ -60,6 +69,9 @@ def parametrize_with_checks(
     checks or patterns of ids. `known` are failures that are accepted for now, {id: reason}, {id: {"reason": ...,
     "issue": ...}} or the path of a TOML file of the latter: they must fail, and one that passes fails the test until it
     is taken off. Raises LeakrefError for an unknown check, profile or known failure.
+
+    An instance, or what a class gives when it is called, is made once, when the first test runs, and shared by all.
+    Golden values are those of set 1.
     """
     if profile not in ("quick", "full"):
         raise LeakrefError("parametrize_with_checks", f"no profile is called {profile!r}", "choose quick or full")

@@ -1,4 +1,9 @@
-"""The certificate as a page to send to a colleague, and as a badge."""
+"""The certificate as a page to send to a colleague, and as a badge.
+
+The page and the badge are templates in `pages/`; nothing in them is fetched from elsewhere, and all words of an
+implementation are escaped. Arrows are drawn as SVG from the figures that a finding carries: what should have come out,
+and what did. The module computes nothing that is not in the certificate.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +31,11 @@ _MOST = 12  # wavenumbers in a drawing
 
 
 def sentence(certificate: Certificate) -> str:
-    """What the grade means, and what it rests on."""
+    """What the grade means, and what it rests on.
+
+    It is what the command prints after the grade, and what stands at the top of the page. Its numbers are those of the
+    findings judged, so that a run of a few checks says that it was one.
+    """
     n = len(certificate.judged)
     if certificate.grade is None:
         return "Nothing that was asked is offered."
@@ -40,7 +49,11 @@ def sentence(certificate: Certificate) -> str:
 
 
 def page(certificate: Certificate, pictures: Sequence[Mapping[str, str]] = ()) -> str:
-    """One self-contained page of HTML, readable without scripts. `pictures`: title, words, and data, PNG in base64."""
+    """One self-contained page of HTML, readable without scripts. `pictures`: title, words, and data, PNG in base64.
+
+    Findings are grouped by family. Of each check the first one that is wrong is open, the others are folded away. A
+    check that only this golden set has is shown without its reason and its tolerance.
+    """
     known = {f"{c.id}[{case.id}]": c for c, case in select()}
     grade = certificate.grade or "not judged"
     first = {f.id.partition("[")[0]: f for f in reversed(certificate.wrong)}  # of each check: these are opened
@@ -64,7 +77,10 @@ def page(certificate: Certificate, pictures: Sequence[Mapping[str, str]] = ()) -
 
 
 def badge(certificate: Certificate) -> str:
-    """A small SVG with the grade."""
+    """A small SVG with the grade.
+
+    Its width follows the length of the word; `not judged` is one of the words. The text of the file is returned.
+    """
     grade = certificate.grade or "not judged"
     return _PAGES.get_template("badge.svg").render(grade=grade, width=58 + 7 * len(grade), colour=_COLOURS[grade])
 
