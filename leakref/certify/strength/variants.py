@@ -33,7 +33,10 @@ Bins = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatAr
 
 @dataclass(frozen=True)
 class Variant:
-    """`words` say what is different, `grade` is what it deserves, `make` makes one."""
+    """`words` say what is different, `grade` is what it deserves, `make` makes one.
+
+    `grade` is `conformant` or `sound`; `make` takes no arguments and gives an object as `Implementation` has it.
+    """
 
     id: str
     grade: str

@@ -27,7 +27,11 @@ _LONGEST = 10.0  # seconds of killing, at most: one that hangs in a device does 
 
 
 def guard(control: socket.socket) -> int:
-    """Let a second one start the program and wait; its status as `waitpid` gives it."""
+    """Let a second one start the program and wait; its status as `waitpid` gives it.
+
+    `control` is the socket, from which the command is read first. Signals that ask it to end are received and do
+    nothing: it ends when the program does or when the socket closes. Returned is a status for `_exit_as`.
+    """
     folder, *command = _command(control)
     ctypes.CDLL(None).prctl(_SUBREAPER, 1, 0, 0, 0)
     for number in (signal.SIGHUP, signal.SIGINT, signal.SIGTERM):

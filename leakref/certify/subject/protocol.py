@@ -1,4 +1,9 @@
-"""An implementation in another process: the loop of protocol 1 (guide protocol, section 6), with limits."""
+"""An implementation in another process: the loop of protocol 1 (guide protocol, section 6), with limits.
+
+`ProcessSubject` holds one program at a time: it starts it, asks one question after the other, and starts it again after
+a breach. Files go through `exchange`, lines through `child`. It decides only whether there is an answer in due form;
+whether it is right is for the checks. Used by `targets.connect`.
+"""
 
 from __future__ import annotations
 
@@ -31,14 +36,20 @@ _OUTPUTS = {"spectrum": "S", "synthesize": "eta", "window": "w"}
 
 
 class HarnessBroken(LeakrefError):
-    """Nothing can be judged: the program does not get as far as answering a first, small question."""
+    """Nothing can be judged: the program does not get as far as answering a first, small question.
+
+    The command then ends with status 3, not judged: such a program has not been found wrong.
+    """
 
     status = 3
 
 
 @dataclass(frozen=True)
 class Limits:
-    """Seconds to `start` and to `run`, and bytes of resident `memory` of the program with all it has started."""
+    """Seconds to `start` and to `run`, and bytes of resident `memory` of the program with all it has started.
+
+    `run` is for one request; the clock starts anew with each. Values that are not positive are not looked for here.
+    """
 
     start: float = 30.0
     run: float = 120.0
@@ -46,18 +57,23 @@ class Limits:
 
     @classmethod
     def given(cls, timeout: float | None, start: float | None, memory: float, run: float = 120.0) -> Limits:
-        """From options: `timeout` is for a run, else `run`, and for the start, unless `start` is; `memory` in GiB."""
+        """From options: `timeout` is for a run, else `run`, and for the start, unless `start` is; `memory` in GiB.
+
+        None or 0 stands for not given. `run` is the profile's own: the full one has larger cubes.
+        """
         return cls(start or timeout or cls.start, timeout or run, int(memory * 2**30))
 
 
 class ProcessSubject(Subject):
     """A program that speaks protocol 1, as a context: started and tried out on entry, ended on exit with all it left.
 
-    `command` is its argument list, `folder` where it runs (default: here), `keep` a folder in which the files
-    exchanged stay; `loading` are seconds until it says that it gets to what is its own, where its start begins.
-    On entry LeakrefError if it cannot be started or refuses, HarnessBroken if it does not answer.
-    What it changes in the exchange folder, other than its output, is added to `violations`; on exit, what it has said
-    after its last answer.
+    `command` is its argument list, `folder` where it runs (default: here), `keep` a folder in which the files exchanged
+    stay; `loading` are seconds until it says that it gets to what is its own, where its start begins. On entry
+    LeakrefError if it cannot be started or refuses, HarnessBroken if it does not answer. What it changes in the
+    exchange folder, other than its output, is added to `violations`; on exit, what it has said after its last answer.
+
+    After `STRIKES` breaches in a row every further question is answered at once with Unanswered (error), so that a
+    program that hangs costs three limits and not a hundred. Any proper answer sets the count back.
     """
 
     def __init__(
@@ -110,7 +126,9 @@ class ProcessSubject(Subject):
         self.close()
 
     def close(self) -> None:
-        """End the program and all it has started; remove what was exchanged."""
+        """End the program and all it has started; remove what was exchanged. It may be called again. What the program
+        says unasked at the end is a violation; one that was ended in the middle of a run is not asked.
+        """
         try:
             if self._child and not self._asking:
                 if said := self._child.unasked():
@@ -128,7 +146,9 @@ class ProcessSubject(Subject):
         self._exchange.close()
 
     def interrupt(self) -> None:
-        """From another thread: end the program, so that whoever waits for its answer need not. There will be none."""
+        """From another thread: end the program, so that whoever waits for its answer need not. There will be none.
+        Nothing is started again afterwards.
+        """
         self._interrupted, self._strikes = True, STRIKES
         if child := self._child:
             child.kill()
