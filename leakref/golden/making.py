@@ -115,10 +115,13 @@ def regenerate(
 ) -> tuple[list[dict[str, Any]], bool]:
     """Compute entries, again or for the first time: rows saying what became of each, whether nothing is left open.
 
-    Nothing wanted: all that the set holds; what differs is written beside the old file as `NAME.new.json` and not
-    taken over. An id that is named is written to the set, over the old one if there is one. A pattern such as
-    `nsp-*`, or the name of a part such as `realizations`, adds what is missing and never replaces. Raises LeakrefError
-    for an unknown id.
+    Nothing wanted: all that the set holds; what differs is written beside the old file as `NAME.new.json` and not taken
+    over. An id that is named is written to the set, over the old one if there is one. A pattern such as `nsp-*`, or the
+    name of a part such as `realizations`, adds what is missing and never replaces. Raises LeakrefError for an unknown
+    id. Each row has `id`, `change` (`same`, `new`, or which fields differ), `largest` (the largest change of a value),
+    the same over its tolerance, and whether it was `written`. Entries that agree with the old ones within their
+    tolerance are `same` and not written, since other processors round otherwise. `work` is where slow parts are kept;
+    `step` is called after each entry. LeakrefError is also raised where routes disagree.
     """
     possible = ids(*SETS)
     golden = Golden(folder)

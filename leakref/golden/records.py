@@ -1,4 +1,9 @@
-"""The record of an entry as it is written: outputs, their accuracy, reasons where there is no number."""
+"""The record of an entry as it is written: outputs, their accuracy, reasons where there is no number.
+
+Used by `entries` alone. It decides what an entry states of its accuracy: digits on which all routes agree, the
+conditioning, and the tolerance that follows from it (`sets.tolerance`). Where routes are farther apart than that
+tolerance there is no record, but a LeakrefError.
+"""
 
 from __future__ import annotations
 
@@ -111,7 +116,11 @@ def head_of(
     decisions: Iterable[str] = (),
     supersedes: str | None = None,
 ) -> dict[str, Any]:
-    """The first fields of a record: what the entry is, how hard it is, and what it is for."""
+    """The first fields of a record: what the entry is, how hard it is, and what it is for.
+
+    `difficulty` is a word for readers, `purpose` the mistake that the entry would show, `equation` the paper's label;
+    `faults` and `decisions` are ids; `supersedes` is the id of an entry that this one replaces.
+    """
     return {
         "id": identifier,
         "stage": stage,
@@ -125,7 +134,11 @@ def head_of(
 
 
 def vector_record(vector: Vector, before: Entry | None = None) -> dict[str, Any]:
-    """The record of a vector, by every route and the high-precision oracle; `before` is what the set has of it."""
+    """The record of a vector, by every route and the high-precision oracle; `before` is what the set has of it.
+
+    Values of the oracle are kept where the stage has one, else those of its first route. Inputs come from `before`
+    where they are the same but for rounding (`same.given`). Raises LeakrefError where a route is too far off.
+    """
     stage, put_in = STAGES[vector.stage], given(vector, before)
     found = {route: compute(put_in) for route, compute in stage.routes.items()}
     first = next(iter(found))

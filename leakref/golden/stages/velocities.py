@@ -1,4 +1,10 @@
-"""Scores, velocities and their statistics."""
+"""Scores, velocities and their statistics.
+
+The stages are `score` and `derivatives` (N of eq:normSp, its gradient and Hessian), `nsp` and `ls` (the velocities that
+maximise it, or minimise eq:LS1), `extract` (the whole chain from a surface) and `statistics` (bias and random part of
+sec:parameters). The conditioning of a velocity is the hardest of all and has its own functions here, which `entries`
+uses for whole seas.
+"""
 
 from __future__ import annotations
 
@@ -105,7 +111,11 @@ def _score_conditioning(given: Input, found: Output) -> Output:
 
 
 def softness(method: str, score: float, hessian: FloatArray, unit: float = 1.0) -> float:
-    """How much worse than `UNFLAGGED` an optimum is conditioned: 1, and more where it is flat; `unit` is c0."""
+    """How much worse than `UNFLAGGED` an optimum is conditioned: 1, and more where it is flat; `unit` is c0.
+
+    `hessian` (2, 2) is that of N for `nsp`, of the cost for `ls`; `score` is N. For NSP the smaller curvature counts,
+    in `c0^2` over N; for LS the ratio of the two, how stiff the normal matrix is over how soft.
+    """
     curvature = np.abs(np.linalg.eigvalsh(hessian))
     if method == "nsp":
         return float(max(1.0, _FLAT * score / max(curvature[0] * unit**2, 1e-300)))

@@ -1,4 +1,10 @@
-"""Grids, dispersion, currents, seas and surfaces."""
+"""Grids, dispersion, currents, seas and surfaces.
+
+The stages, with the labels they are held to: `scaled-grid` (sec:parameters), `bins` (app:numdetails), `dispersion`
+(sec:theory), `resolutions` (eq:dcdwk), `doppler` (eq:SJ, in closed form and by quadrature), `scales` (sec:dimensions),
+`jonswap` (eq:JONSWAP), `spreading` (eq:angularspread), `phases` (decision D11), `components` (eq:amplitudes) and
+`surface`.
+"""
 
 from __future__ import annotations
 

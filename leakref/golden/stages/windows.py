@@ -1,4 +1,9 @@
-"""Windows: samples, responses, lobes and their figures."""
+"""Windows: samples, responses, lobes and their figures.
+
+The stages are `window` (samples, eq:hann), `response` (the transform of a wave between bins, by closed form and by
+plain sums), `lobes` (the continuous transform, fig:leakage_lobes) and `figures` (first zero, widths, sidelobes and
+bandwidth, app:window_comparison). Positions and widths are in bins, levels over that at the centre.
+"""
 
 from __future__ import annotations
 
