@@ -1,4 +1,8 @@
-"""`leakref explain ID`: a check, a fault, a variant, a claim, a decision or a golden value, in words."""
+"""`leakref explain ID`: a check, a fault, a variant, a claim, a decision or a golden value, in words.
+
+What it says is taken from the registers of checks, faults, variants, claims and decisions, and from the golden set: it
+has no texts of its own but `TERMS`. Registers are imported only when an id is looked for, so that the command is quick.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +41,10 @@ TERMS = {
 
 
 def run(identifier: str | None, *, json: bool = False) -> bool:
-    """Print what `identifier` stands for, or what there is. Raises LeakrefError, naming those that come close."""
+    """Print what `identifier` stands for, or what there is. Raises LeakrefError, naming those that come close.
+
+    With `json` the explanation, or the list of ids, is one object on standard output.
+    """
     if identifier is None:
         return _list(json=json)
     found = explain(identifier)
@@ -59,7 +66,12 @@ def run(identifier: str | None, *, json: bool = False) -> bool:
 
 
 def explain(identifier: str) -> Explanation:
-    """`id`, `kind` and what there is to say, by name, of whatever is called `identifier`."""
+    """`id`, `kind` and what there is to say, by name, of whatever is called `identifier`.
+
+    Looked for in this order: checks (`recovery.pair`, or with `[case]`), families, faults, variants, claims, decisions,
+    golden values. Prefixes `fault:` and `variant:` may stand before theirs. LeakrefError is raised for anything else,
+    Damaged if the golden set is not whole.
+    """
     for look in (_check, _family, _fault, _variant, _claim, _decision, _golden):
         found = look(identifier)
         if found is not None:

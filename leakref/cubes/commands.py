@@ -1,4 +1,9 @@
-"""`leakref export` and `leakref extract`: a cube with a known truth goes out, one's own cube comes in."""
+"""`leakref export` and `leakref extract`: a cube with a known truth goes out, one's own cube comes in.
+
+`extract` reads a cube, removes what trend is asked for, measures, screens if asked to, and prints or writes what it
+found, in the units of the file. It says in notes whatever was done to the samples. All refusals name the file and what
+to do about it. `spectrum_of` is used by others that have a Cube.
+"""
 
 from __future__ import annotations
 
@@ -35,7 +40,11 @@ _PER_LENGTH = {"si": "rad/m", "scaled": "k0", "given": "rad per length"}
 
 
 def spectrum_of(cube: Cube, window: str, trend: FloatArray | None, reach: float | None, *, in_blocks: bool) -> Spectrum:
-    """The spectrum of a cube less its trend, whole or (`in_blocks`) of what lies within `reach`."""
+    """The spectrum of a cube less its trend, whole or (`in_blocks`) of what lies within `reach`.
+
+    `trend` is from `blocks.trend`, None for none; `reach` is the largest wavenumber kept, in rad per length, and counts
+    only `in_blocks`.
+    """
     if in_blocks:
         return blocks.fourier_in_blocks(cube.surface, cube.grid, window, largest_wavenumber=reach, remove=trend)
     eta = cube.surface if trend is None else cube.surface - blocks.plane(trend, cube.grid.shape)
@@ -59,8 +68,13 @@ def extract(
 ) -> bool:
     """The chain on the cube in `file`: print a table or JSON, write everything to `out` if given.
 
-    Returns whether the velocities can be trusted as far as was looked: False if they are untapered and the screen
-    found leakage in them. Raises LeakrefError.
+    Returns whether the velocities can be trusted as far as was looked: False if they are untapered and the screen found
+    leakage in them. Raises LeakrefError.
+
+    `wavenumbers` are a list or a range as typed; without them every dk is taken where there is signal. `rotate` is in
+    degrees and needs `screening`; `spacing` (dx,dy,dt), `axes` and `gravity` go before what the file says; `detrend` is
+    one of `blocks.TRENDS`. Refused are also a cube with no signal at all, and `rotate` for one that is not held in
+    memory.
     """
     named_window(window)
     named_method(method, "extract")

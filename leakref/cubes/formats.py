@@ -1,6 +1,9 @@
 """The variables of an npz, mat (v5), NetCDF or npy file, read with suspicion.
 
 What a header claims is held against the size of the file before anything is read.
+
+`files` and the exchange with programs under test read through this. Each reader returns raw variables by name and
+judges nothing of what they mean. A damaged file may make a parser raise anything: all of it becomes a LeakrefError.
 """
 
 from __future__ import annotations
@@ -51,18 +54,26 @@ def variables(
 
     `stream` is the file if it is open already. With `most`, a variable that claims to be more than as many numbers is
     refused, as TooLarge, before anything of it is unpacked. Raises LeakrefError that names file, fault and remedy.
+
+    The type and the shape are those of the file; names that it does not hold are left out.
     """
     return raw_variables(Path(path), names, ("npz", "mat"), stream, most)
 
 
 class TooLarge(LeakrefError):
-    """A file holds more than there can be."""
+    """A file holds more than there can be.
+
+    Raised only where the caller has said how much there can be at `most`: an output under judgement.
+    """
 
 
 def raw_variables(
     path: Path, names: Sequence[str], kinds: Sequence[str] = (), given: BinaryIO | None = None, most: int | None = None
 ) -> dict[str, Any]:
-    """The raw variables of a file, of one of the `kinds` if there are any. Whatever goes wrong is a LeakrefError."""
+    """The raw variables of a file, of one of the `kinds` if there are any. Whatever goes wrong is a LeakrefError. That
+    is but for a fault of the machine (EIO, no more files, no memory), which is a Trouble. `names` are looked for,
+    others are not unpacked. Of a NetCDF file there are also `units of NAME` and `dims`.
+    """
     kind = "a file"
     try:
         if not given and path.exists() and not path.is_file():
