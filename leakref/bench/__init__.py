@@ -1,4 +1,9 @@
-"""`leakref bench`: what each stage costs, as ratios within one run and as shares of what the machine could do."""
+"""`leakref bench`: what each stage costs, as ratios within one run and as shares of what the machine could do.
+
+A time in seconds says little: so each row is also a ratio to something timed in the same run, and a share of what the
+machine could do at best (`limits`). Rows are stages of a realisation, its growth with size, and what one would use
+instead. Timings are medians, or the least where they are subtracted from each other. Nothing is judged here.
+"""
 
 from __future__ import annotations
 
@@ -45,8 +50,11 @@ _WINDOWS = ("box", "hann")
 class Row:
     """`seconds` of what `name` says; `against` says what took `ratio` times as long, in the same run.
 
-    `share` is the part of the machine's limit that was reached, `limit` which one. Of memory, what must be read
-    at least counts: a stage with a small share computes on what it has read.
+    `share` is the part of the machine's limit that was reached, `limit` which one. Of memory, what must be read at
+    least counts: a stage with a small share computes on what it has read.
+
+    `ratio` is None, and `against` empty, where there is nothing to compare with; `share` is above 0, and near 1 where
+    the stage does nothing but what the limit counts.
     """
 
     name: str
@@ -58,7 +66,9 @@ class Row:
 
 
 def literal(configuration: Configuration, realization: int) -> dict[tuple[str, str], Extraction]:
-    """One realisation by the plain chain: route A, the whole Nyquist range, SciPy's Nelder-Mead, all threads."""
+    """One realisation by the plain chain: route A, the whole Nyquist range, SciPy's Nelder-Mead, all threads. This is
+    what the compiled chain is held against; other basins are not looked for.
+    """
     k = configuration.wavenumbers
     spectra = chain.transform(configuration.components(realization), configuration.grid, configuration.windows)
     return {(s.window, method): chain.analyse(s, k, method=method, search=False) for s in spectra for method in METHODS}
@@ -288,7 +298,7 @@ def _ducc(library: Any, waves: Components, grid: Any, times: np.ndarray) -> None
 
 
 def measure(after_each: Callable[[], object] = lambda: None) -> list[Row]:
-    """Every row; calls `after_each` five times on the way."""
+    """Every row; calls `after_each` five times on the way. It takes minutes and should have the machine for itself."""
     configuration = configurations(["nsp-ls"])[0]
     machine = Machine.measured()
     rows = []
@@ -304,7 +314,7 @@ def measure(after_each: Callable[[], object] = lambda: None) -> list[Row]:
 
 
 def run(out: Path, *, json: bool = False) -> bool:
-    """Measure, print and draw; returns True."""
+    """Measure, print and draw; returns True. Written are `bench.json` and a picture, in `out`."""
     folder(out)
     with progress_bar("stages, growth, alternatives", 4) as step:
         rows = measure(step)

@@ -1,4 +1,8 @@
-"""U: a uniform current (case-U; sec:current). Waves at 90 deg; following, crossing and opposing currents."""
+"""U: a uniform current (case-U; sec:current). Waves at 90 deg; following, crossing and opposing currents.
+
+Eleven statements, U1 to U11. Errors are |c - U|, or the mean of |c| against U as the paper's figures show it: where the
+two could differ both are readings. Rotated seas are turned either way (D23) where that could matter.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,8 @@
-"""`leakref claims --decisions`: how far each decision moves the velocities, as a table, as JSON and as a figure."""
+"""`leakref claims --decisions`: how far each decision moves the velocities, as a table, as JSON and as a figure.
+
+What is kept in `golden/decisions.json` is printed unless it is to be computed, which takes hours. The study and the
+judging are `shifts`'; here are the table, the record and the figure's call.
+"""
 
 from __future__ import annotations
 

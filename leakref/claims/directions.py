@@ -1,4 +1,8 @@
-"""A: direction and spread (case-theta0-DeltaTheta; sec:NSP_and_leakage, sec:DSV_example, sec:angwidth)."""
+"""A: direction and spread (case-theta0-DeltaTheta; sec:NSP_and_leakage, sec:DSV_example, sec:angwidth).
+
+Fourteen statements, A1 to A14, each a predicate that yields readings; what is tested is said in its registration. Their
+seas differ in direction and spread alone, so that realisations are compared in pairs with the same phases.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,9 @@
-"""Where the claims get their numbers: ensembles of the paper's chain, computed when asked for and kept."""
+"""Where the claims get their numbers: ensembles of the paper's chain, computed when asked for and kept.
+
+A claim asks for a configuration, a window, a method and a setting; what was computed for one claim serves the others,
+and what `leakref reproduce` has left in the folder serves as well. Settings other than the paper's (`Setting`) have
+files of their own. What is made of the ensembles is in `words` and in the claims.
+"""
 
 from __future__ import annotations
 
@@ -38,7 +43,11 @@ _PEAK = 0.1  # "about" k = 1: within 10 %
 @dataclass(frozen=True)
 class Setting:
     """What is done otherwise than in the paper's table: the `width` a in domega, the LS `threshold`, the sea
-    `without_peak`, and whether the images, not the sea, are turned by the configuration's rotation (`resampled`)."""
+    `without_peak`, and whether the images, not the sea, are turned by the configuration's rotation (`resampled`).
+
+    `width` is a of eq:DSVkernel in frequency bins, `threshold` the part of the largest power from which LS takes a bin.
+    The paper's are `PLAIN`.
+    """
 
     width: float = nsp.WIDTH
     threshold: float = leastsquares.THRESHOLD
@@ -55,7 +64,11 @@ def peak_waves(waves: Components) -> np.ndarray:
 
 
 class Evidence:
-    """`evidence(configuration, window)` is an Ensemble of `realizations`, computed once and kept in `folder`."""
+    """`evidence(configuration, window)` is an Ensemble of `realizations`, computed once and kept in `folder`.
+
+    A call takes a configuration, a window, and optionally method and setting. `executor` is as in `runs.run`.
+    LeakrefError is raised for fewer than two realisations, since one has no spread.
+    """
 
     def __init__(self, realizations: int, folder: Path | None = None, executor: Executor | None = None) -> None:
         if realizations < 2:
@@ -125,7 +138,9 @@ def source_digest() -> str:
 def kept_velocities(
     path: Path | None, about: kept.About, shape: tuple[int, ...], compute: Callable[..., FloatArray], *given: Any
 ) -> FloatArray:
-    """Velocities from the file `path` if they are there, else `compute(*given)` in one thread, and left there."""
+    """Velocities from the file `path` if they are there, else `compute(*given)` in one thread, and left there. `path`
+    None keeps nothing. `shape` is what `compute` returns; a file of another shape, or of another `about`, is not taken.
+    """
     found = path and kept.arrays(path, about, velocities=shape)
     if found:
         return found["velocities"]
@@ -154,6 +169,9 @@ def resampled(configuration: Configuration, realization: int) -> FloatArray:
     """Every image turned by cubic splines about the centre of the domain.
 
     The camera first sees a larger square, so that what is cut out after the turn has all its corners.
+
+    Returned are velocities (w, m, n, 2) in the frame of the turned images, by the plain chain. Images are interpolated,
+    so that the shortest waves are damped; that is what is to be seen.
     """
     waves = replace(configuration, rotation=0.0).components(realization)
     grid, angle = configuration.grid, np.radians(configuration.rotation)

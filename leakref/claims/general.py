@@ -1,4 +1,8 @@
-"""G: what is said of all cases together."""
+"""G: what is said of all cases together.
+
+Six statements, G1 to G6, of the abstract and the conclusions. They are tested on all configurations of the paper's
+table, or on those that they name.
+"""
 
 from __future__ import annotations
 

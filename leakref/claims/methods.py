@@ -1,4 +1,8 @@
-"""N: the normalized scalar product against least squares (case-NSP-LS, sec:LSvsNSP)."""
+"""N: the normalized scalar product against least squares (case-NSP-LS, sec:LSvsNSP).
+
+Six statements, N1 to N6, on the one sea of that case. Where the threshold of LS could be read in two ways (D7) both are
+readings; N6 is a timing of this machine.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""P: peakedness (case-gamma; sec:peakedness)."""
+"""P: peakedness (case-gamma; sec:peakedness).
+
+Six statements, P1 to P6, on seas that differ in gamma and spread.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,8 @@
-"""The picture of a claim: by how much each comparison behind it holds, at every shell; and that of the decisions."""
+"""The picture of a claim: by how much each comparison behind it holds, at every shell; and that of the decisions.
+
+Pictures are drawn from what a Finding carries, or from the JSON of the decisions: nothing is computed for them. Green
+is shown, red contradicted, grey open, as in `words`.
+"""
 
 from __future__ import annotations
 

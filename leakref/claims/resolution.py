@@ -1,4 +1,8 @@
-"""R: resolution in wavenumber and frequency (case-L-T; sec:resolution)."""
+"""R: resolution in wavenumber and frequency (case-L-T; sec:resolution).
+
+Seven statements, R1 to R7, on domains of different length and duration. Wavenumbers that two domains do not share are
+left out of their comparison.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,9 @@
-"""How far the velocities move if a decision is taken otherwise, and what becomes of the claims."""
+"""How far the velocities move if a decision is taken otherwise, and what becomes of the claims.
+
+Every variant of a decision is an altered chain (`variants`), and is run on the same seas as the reference. `study`
+gives the shift of every velocity, `summary` a row of the table, and `rejudged` evaluates the claims by the velocities
+of those variants that move some of them. Used by `leakref claims --decisions`; the results kept are `stored`'s.
+"""
 
 from __future__ import annotations
 
@@ -218,7 +223,8 @@ def study(
 ) -> dict[str, list[list[Shifts]]]:
     """For each variant, a list for each configuration on which it acts of the Shifts of each window and method.
 
-    Resumed from `folder`, which may be that of `leakref reproduce`; there the references are found too.
+    Resumed from `folder`, which may be that of `leakref reproduce`; there the references are found too. Order is that
+    of `ids`. `realizations` is a most: a variant may ask for fewer.
     """
     wanted, tasks = list(variants), []
     found: dict[tuple[str, str], list[FloatArray]] = {}
@@ -347,6 +353,7 @@ def rejudged(
 
     A claim depends on a decision if a reading of it that held does not hold any more, or the reverse. Those that ask
     for other configurations than `ids`, or for no velocities at all, are left out. Calls `after_each` for every claim.
+    Each record has the claim's and the variant's id, both verdicts, the first figure, and the readings that turned.
     """
     results = []
     kept, altered = Evidence(realizations, folder, executor), _Velocities(variants, realizations, folder, executor)

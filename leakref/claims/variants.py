@@ -1,4 +1,8 @@
-"""Every decision's variants: what another reader of the paper might have done, as changes to the chain."""
+"""Every decision's variants: what another reader of the paper might have done, as changes to the chain.
+
+Each is written as changes to the text of the literal chain and, where the compiled one does not follow by itself, of
+that too; tests hold the two against each other. A decision without a variant stands in `NONE`, with the reason.
+"""
 
 from __future__ import annotations
 

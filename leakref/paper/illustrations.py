@@ -1,4 +1,8 @@
-"""The figures of the paper that show no results: what leakage is, and how the method works, from their captions."""
+"""The figures of the paper that show no results: what leakage is, and how the method works, from their captions.
+
+Four figures, each a function without arguments, drawn from the captions: they share the paper's parameters and not its
+drawings. The windows, seas and spectra are the chain's own.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,8 @@
-"""`leakref reproduce`: the paper's cases as tables, data and figures."""
+"""`leakref reproduce`: the paper's cases as tables, data and figures.
+
+Everything that a run computes is written: tables as CSV, velocities and notes as npz, one JSON of all, and figures if
+asked for. Parts lie in `OUT/parts`, from where `claims` and a second run take them.
+"""
 
 from __future__ import annotations
 
@@ -44,6 +48,9 @@ def run(
 
     Realisations already in `out`, of the same source and settings, are not computed again. With `everything`, `figures`
     are those of the paper that show no results as well.
+
+    `route` is `A` or `B`; `scheduler` the address of a dask cluster, which goes before `workers`. LeakrefError is
+    raised for an unknown id and for what `runs` refuses.
     """
     chosen = _named(ids)
     folder(out)
@@ -156,7 +163,11 @@ def _shear_table(rows: Sequence[Inferred], realizations: int) -> Table:
 
 
 def table(ensembles: Sequence[Ensemble]) -> Table:
-    """Bias and random part for each wavenumber, beside both resolutions; those beyond the smaller one in red."""
+    """Bias and random part for each wavenumber, beside both resolutions; those beyond the smaller one in red.
+
+    `ensembles` are those of one configuration, a column each; the notes of all are counted in the caption. With a
+    current nothing is red, since |c| is no error then.
+    """
     first = ensembles[0]
     result = Table(
         title=f"{first.configuration.id}: mean ± standard deviation of |c|, in c0",

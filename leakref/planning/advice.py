@@ -1,4 +1,8 @@
-"""What a plan comes to, in the paper's terms (its recommendations for mitigation), with the figures just computed."""
+"""What a plan comes to, in the paper's terms (its recommendations for mitigation), with the figures just computed.
+
+Every sentence states its figures, and says so where the paper's rule does not hold for this campaign: the advice is
+what was just simulated, and not a table of rules. A difference counts from two standard errors on.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +21,10 @@ _SURE = 2.0  # standard errors from which a difference is one
 
 
 def ranges(wavelengths: Sequence[float], chosen: Sequence[bool]) -> list[tuple[float, float]]:
-    """The runs of `chosen` among `wavelengths`, each as (longest, shortest)."""
+    """The runs of `chosen` among `wavelengths`, each as (longest, shortest).
+
+    `wavelengths` are in metres, longest first, and `chosen` as many. A run of one is (w, w).
+    """
     found: list[list[float]] = []
     for n, wavelength in enumerate(wavelengths):
         if chosen[n] and n and chosen[n - 1]:
@@ -28,7 +35,11 @@ def ranges(wavelengths: Sequence[float], chosen: Sequence[bool]) -> list[tuple[f
 
 
 def advice(plan: Plan) -> list[str]:
-    """Sentences: taper or not, which method, which wavelengths to trust, whether to enlarge the area or the video."""
+    """Sentences: taper or not, which method, which wavelengths to trust, whether to enlarge the area or the video.
+
+    The list is in the order of importance: frame rate if it aliases, window, method, wavelengths to trust, area against
+    duration.
+    """
     best = plan.best
     said = []
     lowest = plan.campaign.aliased_below()

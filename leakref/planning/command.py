@@ -1,4 +1,8 @@
-"""`leakref plan`: from quantities with units to a table, advice, figures, JSON and CSV."""
+"""`leakref plan`: from quantities with units to a table, advice, figures, JSON and CSV.
+
+Options come as typed, with units, and are refused here with the option's name; the simulation is `plan`'s. Written are
+`plan.json`, tables as CSV and figures; printed is a table and the advice, or the same as JSON.
+"""
 
 from __future__ import annotations
 
@@ -69,7 +73,10 @@ def _campaign(given: Mapping[str, str | None]) -> Campaign:
 
 
 def parse_sweep(text: str) -> tuple[str, list[float]]:
-    """A parameter and its values from "spread=15deg:90deg:6", first, last and how many. Raises LeakrefError."""
+    """A parameter and its values from "spread=15deg:90deg:6", first, last and how many. Raises LeakrefError.
+
+    Returned are the option's name (a key of `PARAMETERS`) and 2 to 40 equally spaced values in its unit.
+    """
     name, _, values = text.partition("=")
     parts = values.split(":")
     if name not in PARAMETERS or len(parts) != 3:
@@ -101,6 +108,9 @@ def run(
     """Simulate the campaign that the options describe, write everything to `out`, print it; returns True.
 
     `workers` 0 takes all `cores` where that pays. Raises LeakrefError.
+
+    `given` are the options by name, None where they were left out; `sweep` as `parse_sweep` takes it. A sweep uses a
+    third of the realisations for each value, but at least five, unless `realizations` says how many.
     """
     campaign = _campaign(given)
     name, values = parse_sweep(sweep) if sweep else ("", [])

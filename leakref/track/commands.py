@@ -1,4 +1,8 @@
-"""What `leakref track ...` does and prints."""
+"""What `leakref track ...` does and prints.
+
+Each function is one action of the command, with its exit status: 0 holds, 1 worse, 3 nothing to judge. Words and
+colours are here; what is compared with what is in `changes`.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +37,15 @@ _COLOUR = {"worse": "red", "better": "green", "undecided": "yellow", "slower": "
 
 @dataclass(frozen=True)
 class Request:
-    """What is to be recorded, as asked for on the command line."""
+    """What is to be recorded, as asked for on the command line.
+
+    - `target` or `command`: one of the two, as typed; `path`: of the history.
+    - `label`: of the version, else its version or name; `cases`: ids of scenes, else those recorded by default.
+    - `realizations`, `first`: how many, and the number of the first.
+    - `source`: further files and folders that the target is made of.
+    - `timings`, `yardstick`: JSON of pytest-benchmark, and the benchmark that the others are held against.
+    - `timeout`, `start`: seconds, None for the defaults; `memory`: GiB; `workers`: processes, for the reference only.
+    """
 
     target: str | None
     command: str | None
@@ -52,7 +64,11 @@ class Request:
 
 
 def run_record(request: Request, *, json: bool) -> int:
-    """Measure, append, print: 0, or 3 if the target answers nothing (then nothing is recorded)."""
+    """Measure, append, print: 0, or 3 if the target answers nothing (then nothing is recorded).
+
+    LeakrefError is raised for a target and a command, or neither; a label that stands for entries; an unknown case; a
+    file of timings without its yardstick; a history that cannot be written.
+    """
     words = _words(request)
     timed = _timed(request)
     is_reference = request.target == "reference"
@@ -186,7 +202,11 @@ def _recorded(entry: history.Entry, series: Sequence[Series]) -> Table:
 
 
 def run_compare(first: str, second: str, path: Path, *, margin: float, json: bool) -> int:
-    """The exit status of `Comparison`; 3 also if one of the entries is not whole."""
+    """The exit status of `Comparison`; 3 also if one of the entries is not whole.
+
+    `first` and `second` name entries as `History.entry` takes them. LeakrefError is raised for names that are none, and
+    for two of one entry.
+    """
     kept = history.read(path)
     _say_faults(kept)
     try:
@@ -267,7 +287,9 @@ def _row(c: Change) -> str:
 
 
 def run_check(path: Path, *, json: bool) -> bool:
-    """Whether every line is whole, there once, and follows on one that is there."""
+    """Whether every line is whole, there once, and follows on one that is there. A history without entries is not
+    whole.
+    """
     kept = history.read(path)
     ok = bool(kept.entries) and not kept.faults
     if json:
@@ -286,7 +308,10 @@ def run_check(path: Path, *, json: bool) -> bool:
 
 
 def run_plot(path: Path, *, cases: Sequence[str], target: str | None, out: Path, json: bool) -> int:
-    """Pictures and a page of the entries of one target (default: that of the last): 0, or 3 if there is none."""
+    """Pictures and a page of the entries of one target (default: that of the last): 0, or 3 if there is none. `cases`
+    are those drawn, by default all that the entries have. Faults of the file are said, and the entries used that are
+    whole.
+    """
     from leakref.figures import save
     from leakref.track import page
 

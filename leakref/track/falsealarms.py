@@ -193,6 +193,8 @@ def run(out: Path | None, *, place: Path, workers: int, json: bool) -> bool:
     """Measure, print and write; whether alarms are as rare as declared and every even rise is seen.
 
     Realisations are kept in `place`, shared with `leakref reproduce --out`.
+
+    With `out` the record is written there as JSON, a planted rise a line. `workers` are processes.
     """
     total = _REALIZATIONS * sum(len(members) + sum(c.direction != 90.0 for c in members) for members in CASES.values())
     with progress_bar("realisations", total) as step, runs.pool(workers) as executor:
