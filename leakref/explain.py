@@ -106,6 +106,7 @@ def _list(*, json: bool) -> bool:
 
 
 def _names() -> Iterator[str]:
+    """Every id but those of golden values, of which there are too many to list."""
     from leakref.certify.checks.registry import FAMILIES
     from leakref.certify.runner import select
     from leakref.certify.strength.faults import FAULTS
@@ -119,6 +120,7 @@ def _names() -> Iterator[str]:
 
 
 def _check(identifier: str) -> Explanation | None:
+    """A check, or with `[case]` one of its findings: reason, tolerance, terms in it, and faults that it kills."""
     from leakref.certify.runner import select
 
     name, _, rest = identifier.partition("[")
@@ -175,6 +177,7 @@ def _family(identifier: str) -> Explanation | None:
 
 
 def _fault(identifier: str) -> Explanation | None:
+    """What is wrong in the faulty code, and the changes that make it so."""
     from leakref.certify.strength.faults import FAULTS
 
     fault = FAULTS.get(identifier.removeprefix("fault:"))
@@ -208,6 +211,7 @@ def _variant(identifier: str) -> Explanation | None:
 
 
 def _claim(identifier: str) -> Explanation | None:
+    """The statement, how it was tested, and what came of it (`golden/claims.json`)."""
     from leakref.claims import CLAIMS
     from leakref.claims.stored import stored_claim, turned
 
@@ -231,6 +235,7 @@ def _claim(identifier: str) -> Explanation | None:
 
 
 def _decision(identifier: str) -> Explanation | None:
+    """The question, the reference's answer, and how far velocities move if it is answered otherwise."""
     from leakref.decisions import DECISIONS
 
     decision = DECISIONS.get(identifier)
@@ -265,6 +270,7 @@ def _shifts(identifier: str) -> list[str]:
 
 
 def _golden(identifier: str) -> Explanation | None:
+    """What an entry is there for; None where no entry has that id."""
     from leakref.golden.sets import Golden
 
     try:

@@ -75,6 +75,9 @@ def literal(configuration: Configuration, realization: int) -> dict[tuple[str, s
 
 
 def _stages(configuration: Configuration, machine: Machine) -> list[Row]:
+    """Parts of a fast realisation cannot be timed apart; they are differences of runs with and without them, of least
+    times.
+    """
     grid, waves, k = configuration.grid, configuration.components(0), configuration.wavenumbers
     axes = [grid.samples(axis) for axis in range(3)]
     surface = synthesize(waves, *axes)
@@ -147,6 +150,7 @@ def _stages(configuration: Configuration, machine: Machine) -> list[Row]:
 
 
 def _reach(configuration: Configuration) -> float:
+    """The largest wavenumber that the shells need, and a bin more."""
     return float(configuration.wavenumbers[-1] + (HALF_WIDTH + 1) * configuration.grid.wavenumber_resolution)
 
 
@@ -161,6 +165,7 @@ def _share(
 def _fast(
     configuration: Configuration, repeats: int = 5, pick: Callable[[list[float]], float] = median, **settings: Any
 ) -> float:
+    """Seconds of the compiled realisation on one thread, with the settings given."""
     waves = configuration.components(0)
     grid, k = configuration.grid, configuration.wavenumbers
     with runs.one_thread():
@@ -276,6 +281,7 @@ def _alternatives(configuration: Configuration, machine: Machine) -> list[Row]:
 
 
 def _finufft(library: Any, waves: Components, grid: Any, times: np.ndarray) -> None:
+    """The same surface by a non-uniform FFT for each frame."""
     kx, ky = waves.kx * grid.spacing[0], waves.ky * grid.spacing[1]
     for t in times:
         strength = waves.amplitude * np.exp(1j * (waves.phase - waves.omega * t))
@@ -283,6 +289,7 @@ def _finufft(library: Any, waves: Components, grid: Any, times: np.ndarray) -> N
 
 
 def _ducc(library: Any, waves: Components, grid: Any, times: np.ndarray) -> None:
+    """Likewise, by another library."""
     position = np.stack([waves.kx * grid.spacing[0], waves.ky * grid.spacing[1]], axis=1)
     for t in times:
         strength = waves.amplitude * np.exp(1j * (waves.phase - waves.omega * t))
@@ -347,6 +354,7 @@ def run(out: Path, *, json: bool = False) -> bool:
 
 
 def _draw(rows: list[Row], out: Path) -> list[Path]:
+    """Both times of every row that has a ratio, on a logarithmic axis."""
     from leakref.figures import COLOURS, figure, save
 
     shown = [row for row in rows if row.ratio][::-1]

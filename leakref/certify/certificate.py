@@ -263,6 +263,7 @@ def junit(certificate: Certificate) -> str:
 
 
 def _outcome(f: Finding, certificate: Certificate) -> tuple[str, dict[str, str]]:
+    """The element of JUnit that a finding becomes, empty for a pass, and its attributes."""
     if f.verdict is Verdict.PASS:
         return "", {}
     if f.verdict in (Verdict.UNSUPPORTED, Verdict.MISSING):

@@ -181,6 +181,9 @@ def _named(found: Certificate, request: Request) -> Certificate:
 
 
 def _split(command: str) -> list[str]:
+    """The argument list of `--command`, split as a shell does. Raises LeakrefError for open quotes, and for nothing at
+    all.
+    """
     try:
         words = shlex.split(command)
     except ValueError as error:
@@ -224,6 +227,10 @@ def _write_text(text: str, path: Path) -> None:
 
 
 def _print(found: Certificate, written: Sequence[Path], only: Sequence[str]) -> None:
+    """The table, what is wrong with its reason and how to see it again, the bias, known and stale failures, the
+    diagnosis, and at the end the grade in words. A reason is printed once for each check, however many of its cases
+    fell short.
+    """
     show = Console()
     show.print(_summary(found))
     reasons = {c.id: c.reason for c, _ in select()}
@@ -265,6 +272,7 @@ def _print(found: Certificate, written: Sequence[Path], only: Sequence[str]) -> 
 
 
 def _summary(found: Certificate) -> Table:
+    """Counts of verdicts by family, and the fewest digits to which a number agreed there."""
     said = found.declaration
     frame = f"{said['units']}, axes {said['axes']}, y {said['y']}, direction {said['direction']}"
     if said["fixed"]:

@@ -105,6 +105,7 @@ def parametrize_with_checks(
 
 
 def _made(implementation: Any) -> Any:
+    """An instance: of a class, made without arguments, else what was given."""
     return implementation() if isinstance(implementation, type) else implementation
 
 
@@ -118,6 +119,9 @@ def _address(implementation: Any) -> str | None:
 
 
 def _known(given: Any) -> dict[str, Known]:
+    """Known failures from a mapping; the issue may be left out here, unlike in a file. Raises LeakrefError for other
+    forms.
+    """
     if not isinstance(given, Mapping):
         raise LeakrefError(
             "parametrize_with_checks",
@@ -139,6 +143,7 @@ def _known(given: Any) -> dict[str, Known]:
 
 
 def _marks(known: Known | None) -> list[pytest.MarkDecorator]:
+    """The marker by which a session knows that something was judged, and a strict expected failure if it is known."""
     marks = [getattr(pytest.mark, MARK)]
     if known is not None:
         issue = f" ({known.issue})" if known.issue else ""
@@ -147,6 +152,8 @@ def _marks(known: Known | None) -> list[pytest.MarkDecorator]:
 
 
 def _bound(check: Check, case: Case, subject: Callable[[], Subject], target: str | None) -> Callable[[], None]:
+    """What a test calls: the check on its case, as the outcome of the test."""
+
     def run() -> None:
         settle(check(subject(), case), target)
 

@@ -86,6 +86,7 @@ def badge(certificate: Certificate) -> str:
 
 
 def _declared(said: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """The declaration in rows of a name and words, for the table on the page."""
     for name in ("units", "axes", "y", "direction"):
         yield name, str(said[name])
     yield "fixed", ", ".join(said["fixed"]) or "nothing"
@@ -98,6 +99,7 @@ def _declared(said: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
 
 
 def _row(finding: Finding, check: Check | None, is_open: bool) -> dict[str, Any]:
+    """What the template needs of one finding: itself, its check's reason and tolerance, and drawings of its figures."""
     drawings = list(_drawings(finding.figures, finding.over or 0.0))
     return {
         "finding": finding,

@@ -117,6 +117,7 @@ def _left_over(subjects: Sequence[Subject]) -> list[Finding]:
 
 
 def _taken(waiting: SimpleQueue[int]) -> Iterator[int]:
+    """Numbers from the queue until it is empty: sessions that end early leave theirs to the others."""
     while True:
         try:
             yield waiting.get_nowait()

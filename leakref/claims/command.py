@@ -109,6 +109,7 @@ def table(findings: Sequence[Finding], realizations: int) -> Table:
 
 
 def _readings(finding: Finding) -> Table:
+    """All readings of one claim, with their answers and figures."""
     claim = finding.claim
     result = Table(title=f"{claim.id} ({claim.label}): {finding.verdict}", caption=claim.test, caption_justify="left")
     for name in ("reading", "holds", "figure"):

@@ -86,6 +86,9 @@ _ANGLES = {"mean vector": _mean_angle, "each DSV": _angles}
     "when opposing, at k < 1 the reverse. Not rotated; untapered and Hann.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """The error as a vector is compared with the waves' direction, its size with the speed of the current, whose sense
+    changes the sign for opposing ones.
+    """
     for window in WINDOWS:
         vector, size = [], []
         for one in turn(0.0):
@@ -126,6 +129,8 @@ def _(see: Evidence) -> Iterator[Reading]:
     "significant at k > 1.65. Not rotated, all speeds.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """That they turn below a limit, and that they do not beyond it, are two statements; a reading has one or both."""
+
     def turning(test: Callable[[Sample, FloatArray], Tally], inside: Band) -> Tally:
         ensembles = [see(current(speed, _CROSSING), "box") for speed in SPEEDS]
         return pooled(*(test(across(e, 0).at(inside), smaller(e)[inside(e.wavenumbers)]) for e in ensembles))
@@ -211,6 +216,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "rise, mean over shells, for a crossing current above those of the others. Rotated either way (D23).",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """An aligned current may be turned either way with the same result, mirrored; a crossing one may not."""
     for (measure, of), (sense, angle) in product(MEASURES.items(), _SENSES.items()):
         rise = {
             (speed, way): of(see(current(speed, way, angle if way == _CROSSING else 30.0), "box"))
@@ -235,6 +241,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "mean vector, or component along U below U / 2; at every shell, most, or the lowest for each speed.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """The lowest shell of each speed is a reading of its own: the words may mean that such velocities occur."""
     sizes = {
         "mean of |c|": bias,
         "mean vector": lambda e: Sample(e.wavenumbers, _length(e)),

@@ -63,6 +63,7 @@ def computed(*, realizations: int, judged: int, place: Path, workers: int, full:
 def _decision(
     id: str, found: dict[str, list[list[Shifts]]], judged: Sequence[Variant], claims: Sequence[dict[str, Any]]
 ) -> dict[str, Any]:
+    """A decision with its variants, their rows, and the claims that turn under any of them."""
     decision = DECISIONS[id]
     variants = [
         {"id": v.id, "words": v.words, "paired": v.paired, "claims_judged": v in judged, "rows": _rows(found[v.id])}
@@ -149,6 +150,7 @@ def _number(spread: dict[str, Any], unit: str, which: str) -> str:
 
 
 def _cells(row: dict[str, Any]) -> list[str]:
+    """Median, 95th percentile and largest in `c0`, and the largest over the resolution, red from a tenth on."""
     spread = row["unflagged"]
     share = _number(spread, "resolution", "largest")
     return [
@@ -217,5 +219,6 @@ def _turned(result: dict[str, Any]) -> Table:
 
 
 def _share(claim: dict[str, Any]) -> str:
+    """The claim and how many of its readings turn, in bold if its verdict is another then."""
     words = f"{claim['id']} {len(claim['flipped'])}/{claim['readings']}"
     return words if claim["before"] == claim["verdict"] else f"[bold]{words}[/bold]"

@@ -74,6 +74,9 @@ def _(see: Evidence) -> Iterator[Reading]:
     "or means of sizes. Spread 15, theta0 = 45, 60, 75 deg together.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Sizes of means and means of sizes differ where a component changes its sign from sea to sea: so both are
+    readings.
+    """
     ensembles = {angle: see(sea(angle, 15), "box") for angle in (45.0, 60.0, 75.0)}
 
     def mean_of_sizes(sample: Sample) -> Sample:
@@ -124,6 +127,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "untapered and Hann.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """A change for the worse is no improvement, however significant it is."""
     for (words, of), window in product(STATISTICS.items(), WINDOWS):
         parts = []
         for angle, wide in product(DIRECTIONS, WIDER):
@@ -200,6 +204,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "each image turned by cubic splines and cropped from a larger one, against the same sea turned exactly.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Turned seas need no images; for turned images the camera sees a larger square, and few realisations must do."""
     for window in WINDOWS:
         same = []
         for (angle, turn), spread, of in product(ROTATIONS, (15, 60), STATISTICS.values()):
@@ -250,6 +255,9 @@ def _(see: Evidence) -> Iterator[Reading]:
     "10^-1/2 and 10^1/2).",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Of each spread the sea and the shell with the largest share stand for all, since the statement is about what can
+    be reached.
+    """
     seas = {
         spread: [
             see(one, "box")
@@ -300,6 +308,9 @@ def _(see: Evidence) -> Iterator[Reading]:
     "(not significant), or below it (negligible). The change at theta0 = 90 is given beside it.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Leaving out the waves of the peak and pairing with the whole sea shows what comes from the peak alone, at shells
+    where the geometry says that nothing should.
+    """
     waves = CLEAR_OF_PEAK.components(0)
     peak = peak_waves(waves)
     nearest = float(min(np.abs(waves.kx[peak]).min(), np.abs(waves.ky[peak]).min()))

@@ -56,6 +56,7 @@ class Setting:
 
 
 PLAIN = Setting()
+"""The paper's own."""
 
 
 def peak_waves(waves: Components) -> np.ndarray:

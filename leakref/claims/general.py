@@ -70,6 +70,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "in nearly all cases, that is about all, 90 %; cases counted as configurations (mean over shells) or as shells.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Nearly all is taken for nine in ten, as *about* is within a tenth."""
     for words, of in {**MEASURES, "random part": random}.items():
         gains = [of(see(one, "box")) - of(see(one, "hann")) for one in _ALL]
         for counted, samples in (("configurations", [gain.over() for gain in gains]), ("shells", gains)):
@@ -80,6 +81,7 @@ def _(see: Evidence) -> Iterator[Reading]:
 
 
 def _nearly_all(tally: Tally) -> bool | None:
+    """Shown in nine cases of ten, or open if those that are open could make it so."""
     shown, open_ones = int(tally.shown.sum()), int((~tally.shown & ~tally.contradicted).sum())
     if shown >= 0.9 * tally.size:
         return True
@@ -105,6 +107,9 @@ def _influence(see: Evidence, window: str, pairs: list[tuple[Configuration, Conf
     "left, or less than the smaller resolution at the peak for L = 20, T = 80. They contradict: two statements.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """The abstract and the conclusions say opposite things of time and space, so that each is a reading of its own, and
+    no reading can make both hold.
+    """
     durations = (10.0, 20.0, 80.0)
     in_space = [(domain(a, t), domain(b, t)) for (a, b), t in product(pairwise(LENGTHS), durations)]
     in_time = [(domain(length, a), domain(length, b)) for (a, b), length in product(pairwise(durations), LENGTHS)]
@@ -154,6 +159,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "in c0 or in units of the smaller resolution; still water, counted by configuration; untapered and Hann.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Where k < 1 is compared with the peak, shells near the peak are on one side only."""
     bands = {"the peak": NEAR, "k > 1": ABOVE}
     for unit, (words, band), window in product(("c0", "the resolution"), bands.items(), WINDOWS):
         parts = []

@@ -122,6 +122,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "none significantly better; untapered and Hann.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Where neither has a number nothing is counted as better."""
     bands = {"k > 1": ABOVE, "k < 1": BELOW}
     for (cut, setting), (band, inside), window in product(_THRESHOLDS.items(), bands.items(), WINDOWS):
         nsp, ls = see(_CASE, window), see(_CASE, window, "ls", setting)
@@ -149,6 +150,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "closed form. A timing: it changes from run to run.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """A timing has no sampling error that is known: it holds or does not, of this run."""
     seconds = see.seconds(_CASE)
     for words, shared in (("with picking the bins", seconds["shell"]), ("alone", 0.0)):
         for name in ("ls by Nelder-Mead", "ls"):

@@ -74,6 +74,7 @@ def _title(finding: Finding) -> str:
 
 
 def _panel(ax: Any, tally: Tally) -> None:
+    """One comparison at all its shells; where these have one wavenumber, in the order of the case."""
     by_shell = np.ptp(tally.k) > 0 if tally.size else False
     at = tally.k if by_shell else np.arange(1, tally.size + 1)
     masks = {"shown": tally.shown, "contradicted": tally.contradicted, "open": ~(tally.shown | tally.contradicted)}
@@ -129,11 +130,13 @@ def _list(finding: Finding) -> Figure:
 
 
 def _lines(reading: Reading) -> str:
+    """A reading in words: whether it holds, what was chosen, its figures."""
     figures = ", ".join(f"{name.replace('_', ' ')} {value}" for name, value in reading.figure.items())
     return "\n".join(textwrap.wrap(f"{_ANSWERS[reading.holds]}: {reading.words} ({figures})", 70))
 
 
 def _transforms(ax: Any) -> None:
+    """The windows of fig:leakage_lobes, with the levels that the claims name."""
     v = np.linspace(0, 24, 4801)
     for name, colour in zip(("box", "hann", "blackman"), COLOURS, strict=False):
         taper = window(name)
@@ -208,6 +211,7 @@ def _label(id: str, variant: dict[str, Any]) -> str:
 
 
 def _shift_lines(ax: Any, line: int, rows: list[dict[str, Any]]) -> None:
+    """A line for each window at one variant: bar from the median to the 95th percentile, point at the largest."""
     offsets = np.linspace(-0.16, 0.16, len(rows)) if len(rows) > 1 else [0.0]
     for offset, row in zip(offsets, rows, strict=True):
         if row["unflagged"]["shells"]:

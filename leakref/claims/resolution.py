@@ -101,6 +101,7 @@ def _peak(e: Ensemble, band: Band) -> FloatArray:
     "with each step T 80, 20, 10, for every L; errors from 200 paired resamplings of the realisations.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """A position of a maximum has no standard error of its own: it is that over resampled ensembles, paired."""
     for words, band in (("k > 1", ABOVE), ("all", ALL)):
         at = {(length, t): _peak(see(domain(length, t), "box"), band) for length, t in product(LENGTHS, _DURATIONS)}
         moves = np.array([at[length, a] - at[length, b] for length, (a, b) in product(LENGTHS, pairwise(_DURATIONS))])
@@ -119,6 +120,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "or smaller than those between neighbouring L at equal T.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Closer than others is measured against the nearest length there is on either side."""
     reduced, alone, closer = [], [], []
     for length, (a, b) in product(LENGTHS, combinations(_DURATIONS, 2)):
         box, hann = (bias(see(domain(length, a), w)) - bias(see(domain(length, b), w)) for w in WINDOWS)

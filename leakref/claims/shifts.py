@@ -39,6 +39,7 @@ _SHARE = 0.1  # of the smaller resolution: a variant that moves a velocity by mo
 def _spectra(
     configuration: Configuration, realization: int, windows: tuple[str, ...], radius: float
 ) -> dict[str, FloatArray]:
+    """Magnitudes by the package's own chain, the last four kept: variants that leave spectra alone share them."""
     grid, tapers = configuration.grid, [named_window(name) for name in windows]
     return spectra.magnitudes(configuration.components(realization), grid, tapers, spectra.Disc(grid, radius))
 
@@ -168,6 +169,7 @@ class Shifts:
 
 
 def _figures(value: Any) -> float | None:
+    """Three digits, None where there is no number."""
     return float(f"{value:.3g}") if np.isfinite(value) else None
 
 

@@ -57,7 +57,9 @@ class Variant:
         return altered((*self.changes, *self.fast), fast=True)
 
     def acts_on(self, configuration: Configuration) -> tuple[str, ...]:
-        """The windows of a configuration under which it changes anything: none, one, the tapers, or all."""
+        """The windows of a configuration under which it changes anything: none, one, the tapers, or all. A variant
+        tried on Hann acts on all tapers.
+        """
         if self.needs and not getattr(configuration, self.needs):
             return ()
         if "box" in self.windows:

@@ -69,6 +69,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "others. Sampled as t/T is printed, n/N, and the other way, n/(N-1).",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """A periodic sampling has exactly three lines on either side; a symmetric one has a little everywhere."""
     for sampling in ("periodic", "symmetric"):
         lines = np.abs(np.fft.rfft(see.window("blackman").samples(_BINS, symmetric=sampling == "symmetric")))
         lines /= lines[0]
@@ -112,6 +113,7 @@ def _(see: Evidence) -> Iterator[Reading]:
 
 
 def _first_zero(v: FloatArray, height: FloatArray) -> float:
+    """The first place where the transform all but vanishes, in bins."""
     falling = np.flatnonzero((height[1:-1] < 1e-3) & (height[1:-1] <= height[:-2]) & (height[1:-1] <= height[2:]))
     return float(v[falling[0] + 1])
 
@@ -145,6 +147,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "a within 2 % of 1.62.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Four fits: the words leave open how far the lobe is fitted, and whether its height is."""
     v, height = lobes(see.window("hann"))
     for words, end in (("central lobe", _first_zero(v, height)), ("20 bins", 20.0)):
         on = v <= end
@@ -157,6 +160,7 @@ def _(see: Evidence) -> Iterator[Reading]:
 
 
 def _gaussian(v: FloatArray, a: float, height: float = 1.0) -> FloatArray:
+    """G of eq:DSVkernel as a function of the offset v in bins, a in bins."""
     return height * np.exp(-2 * (v / a) ** 2)
 
 
@@ -202,6 +206,7 @@ def _envelope(window: Window, v: FloatArray) -> FloatArray:
     "lobe about an axis, smallest within 1 degree of the diagonal. Box, as in the text, and Hann.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Envelopes, not transforms, are compared: zeros between lobes would make any direction the smallest somewhere."""
     angle = np.radians(np.arange(0, 91))
     for window in WINDOWS:
         taper = see.window(window)

@@ -217,6 +217,7 @@ def _rows(velocities: FloatArray) -> list[list[float] | None]:
 
 
 def _screen_record(s: screen.Screening | None, window: str) -> dict[str, Any] | None:
+    """The screening as it stands in the JSON, None if there was none."""
     if s is None:
         return None
     turned = (
@@ -243,6 +244,7 @@ def _screen_record(s: screen.Screening | None, window: str) -> dict[str, Any] | 
 
 
 def _summary(s: screen.Screening) -> str:
+    """The verdicts counted, in a line, and what to do if there is leakage."""
     counts = {v: s.verdicts.count(v) for v in (screen.FINE, screen.LEAKAGE, screen.NO_SIGNAL)}
     said = ", ".join(f"{verdict} at {count}" for verdict, count in counts.items())
     if not counts[screen.LEAKAGE]:
@@ -262,6 +264,9 @@ def _table(
     cube: Cube,
     window: str,
 ) -> Table:
+    """A row a wavenumber: velocity, both resolutions, and if it was screened by how much the taper moves it and the
+    verdict.
+    """
     result = Table(
         title=f"{file.name}: Doppler shift velocities, window {window}, {found.method}, in {UNITS[cube.units]}"
     )

@@ -287,6 +287,7 @@ def _ordered(path: Path, raw: dict[str, Any], axes: str | None) -> Any:
 
 
 def _number(path: Path, name: str, value: npt.ArrayLike) -> float:
+    """One positive number that is in the range of any units. Refuses all else."""
     array = np.asarray(value)
     if array.size != 1 or array.dtype.kind not in "iuf" or not 1 / LARGEST <= array.item() <= LARGEST:
         refuse(path, f"has {name} = {array.tolist()!r:.60}", f"store {name} as one positive number")

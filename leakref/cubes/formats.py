@@ -29,7 +29,9 @@ __all__ = ["KNOWN", "WAVES", "TooLarge", "netcdf_library", "raw_variables", "ref
 _DENSEST = 1032  # deflate shrinks no further: what claims to hold more than this many times its bytes cannot
 _HEADER = 1 << 12  # bytes in which a variable says what it is; numpy's own limit is some more
 WAVES = ("kx", "ky", "omega", "amplitude", "phase")
+"""The arrays that describe the waves of a cube with a truth, (n,) each."""
 KNOWN = ("eta", "x", "y", "t", "gravity", *WAVES, "current", "peak_wavenumber", "units", "spacing", "dx", "dy", "dt")
+"""The variables that are looked for in a cube; others are never unpacked."""
 
 
 def netcdf_library() -> Any:
@@ -200,6 +202,7 @@ def _npy_header(path: Path, name: str, stream: Any) -> tuple[tuple[int, ...], bo
 
 
 def _read_npy(path: Path, stream: BinaryIO, names: Sequence[str], most: int | None) -> dict[str, Any]:
+    """Mapped and not read: the samples stay on the disk, and only `eta` can be in it."""
     shape, fortran, dtype = _npy_header(path, "eta", stream)
     offset = stream.tell()
     _claim(path, "eta", shape, dtype.itemsize, _size(stream) - offset, loaded=False)
@@ -211,6 +214,9 @@ def _size(stream: BinaryIO) -> int:
 
 
 def _read_npz(path: Path, stream: BinaryIO, names: Sequence[str], most: int | None) -> dict[str, Any]:
+    """Each member's header is read first, and what it claims is held against the packed bytes; then it is read to its
+    end, where the checksum is.
+    """
     found = {}
     with zipfile.ZipFile(stream) as archive:
         for name in names:
@@ -326,6 +332,7 @@ def _mat_variable(
 
 
 def _read_netcdf(path: Path, stream: BinaryIO, names: Sequence[str], most: int | None) -> dict[str, Any]:
+    """By xarray, after a look with h5py at whether every part of each variable was written."""
     xarray = netcdf_library()
     import h5py
 

@@ -229,8 +229,8 @@ def _rings(
 ) -> tuple[Disc, list[Ring]]:
     """The bins, and the shells, still without magnitudes: the same for all realisations.
 
-    Raises LeakrefError as shell.shell_at does. Eight of them are remembered, since a run over many realisations asks for
-    the same one each time.
+    Raises LeakrefError as shell.shell_at does. Eight of them are remembered, since a run over many realisations asks
+    for the same one each time.
     """
     disc, step = Disc(grid, radius), grid.frequency_resolution
     dk, nyquist = grid.wavenumber_resolution, min(grid.nyquist[:2])

@@ -101,8 +101,10 @@ def peaks(ring, order, tops, table, pooled, reach, found, best):
     `table` holds each column's part of the score by centre, an eighth of the width apart from zero up; `pooled`
     (`pool`) bounds the score of three by three points at once.
 
-    `order` are the columns by their largest part, `tops` those parts in that order, `found` the velocity (2,) that was found (starts within a spacing of it are left out), `reach` how far from zero a velocity may be. The lattice is half a width over the wavenumber of
-    the shell apart, so that a peak of the score is several points wide. The number of starts is returned.
+    `order` are the columns by their largest part, `tops` those parts in that order, `found` the velocity (2,) that was
+    found (starts within a spacing of it are left out), `reach` how far from zero a velocity may be. The lattice is half
+    a width over the wavenumber of the shell apart, so that a peak of the score is several points wide. The number of
+    starts is returned.
     """
     step, middle = ring.width / 8, table.shape[1]
     spacing = ring.width / (2 * ring.wavenumber)

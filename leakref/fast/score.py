@@ -332,7 +332,8 @@ def climb(ring, models, start, c, d):
     most 1e-8; then Newton.
 
     Why follow SciPy so closely: where the score has several maxima, which of them a search finds depends on its path,
-    and the reference's path is SciPy's. The same evaluations in the same order give the same comparisons, but for scores that agree to 2e-11.
+    and the reference's path is SciPy's. The same evaluations in the same order give the same comparisons, but for
+    scores that agree to 2e-11.
     """
     simplex, values, unit = np.zeros((3, 2)), np.empty(3), ring.unit
     trial, other, mean = np.empty(2), np.empty(2), np.empty(2)

@@ -89,6 +89,7 @@ def _by_surface(c: Configuration, number: int) -> tuple[dict[str, Any], dict[str
 
 
 def _names(found: Extraction) -> list[list[str]]:
+    """The notes of each shell by name, as they are kept."""
     return [note.names for note in found.notes]
 
 
@@ -289,6 +290,7 @@ def certified(wanted: Sequence[str], work: Path | None, workers: int) -> Iterato
 
 
 def _certify(identifier: str, work: Path | None) -> dict[str, Any]:
+    """One realisation on one thread, so that the last bits do not depend on the machine's cores."""
     with threadpool_limits(limits=1):
         return _resumed(
             identifier, work, partial(_realization, configuration_of(identifier), int(identifier.rsplit("/", 1)[1]))

@@ -122,6 +122,10 @@ def _outline(value: Any) -> Any:
 def _entry_faults(
     entry: Entry, row: Mapping[str, Any], schema: dict[str, Any], seen: dict[str, Entry]
 ) -> Iterator[Failure]:
+    """What is amiss with one entry: its form by the schema, its id, its digest, the shapes and the formula of its
+    tolerances, digits that are fewer than the tolerance promises, and values that lack a number without a reason.
+    `seen` collects ids.
+    """
     name = str(entry.record.get("id", f"an entry without id in {entry.file}"))
     stage = str(entry.record.get("stage", ""))
     fault = _form_fault(json.dumps(_outline(entry.record)), json.dumps(schema))

@@ -169,6 +169,7 @@ def regenerate(
 
 
 def _save(folder: Path, entries: Mapping[str, Entry], possible: Mapping[str, str], file: str) -> None:
+    """The file `file` anew, with all its entries in the order of the ids."""
     order = {identifier: n for n, identifier in enumerate(possible)}
     members = sorted((e for e in entries.values() if e.file == file), key=lambda e: order.get(e.id, len(order)))
     _write(folder, file, members)

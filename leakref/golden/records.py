@@ -64,6 +64,9 @@ def _accuracy(
 
 
 def _reasons(golden: FloatArray, notes: Sequence[Sequence[str]] | None) -> list[str]:
+    """For each item of the first axis why there is no number there: its notes, or just that there is none; empty where
+    there is.
+    """
     rows = golden.reshape(golden.shape[0], -1) if golden.ndim else golden.reshape(1, 1)
     missing = [bool(np.isnan(row).any()) for row in rows]
     return [

@@ -46,9 +46,11 @@ __all__ = [
 ]
 
 EPSILON = 2.0**-52
+"""The spacing of float64 at 1."""
 MARGIN = 8.0
 """Between one rounding of every operation, as the conditioning counts it, and what is let pass."""
 SCHEMA_VERSION = 1
+"""Of entries and manifests; another one is another format."""
 SETS = ("vectors", "analytic", "realizations", "ensembles")
 """The folders of a set, from quick to slow."""
 

@@ -82,6 +82,7 @@ def run(
 
 
 def _file_name(configuration_id: str) -> str:
+    """An id as part of a file's name: `gamma_spread15_peakedness7`."""
     return configuration_id.replace("/", "_").replace(",", "_").replace("=", "")
 
 
@@ -191,6 +192,7 @@ def table(ensembles: Sequence[Ensemble]) -> Table:
 
 
 def _caption(ensembles: Sequence[Ensemble]) -> str:
+    """Realisations, what is red, and how often each note was made."""
     flagged = {name: sum(int(e.noted(note).sum()) for e in ensembles) for note in Note for name in note.names}
     shells = sum(e.notes.size for e in ensembles)
     said = ", ".join(f"{name} {count}" for name, count in flagged.items() if count) or "none"

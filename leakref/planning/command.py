@@ -50,6 +50,7 @@ _WAYS = {
 
 
 def _value(option: str, text: str) -> float:
+    """An option as a number in its unit, or a plain one if it has none."""
     unit = PARAMETERS[option][1]
     return quantity("plan", f"--{option}", text, unit) if unit else number("plan", f"--{option}", text)
 
@@ -198,6 +199,7 @@ def _record(found: Plan, said: Sequence[str], count: int) -> dict[str, Any]:
 
 
 def _columns(e: Expected) -> dict[str, Sequence[Any]]:
+    """The columns of a CSV for one way to measure, by heading."""
     record = e.record()
     mean = np.asarray(record.pop("mean_error"))
     first = {"window": [e.window] * len(mean), "method": [e.method] * len(mean)}
@@ -223,6 +225,7 @@ def _table(path: Path, rows: Sequence[tuple[dict[str, Any], Expected]]) -> None:
 
 
 def _title(c: Campaign) -> str:
+    """What was asked for, in a line, for the pictures."""
     sides = dict.fromkeys(f"{side:.4g}" for side in c.field_of_view)
     current = f"current {c.speed:.3g} m/s at {c.current_direction:.4g}°" if c.speed else "no current"
     return (
@@ -267,6 +270,7 @@ def _show(
     values: Sequence[float],
     sweeps: Sequence[Mapping[tuple[str, str], Expected]],
 ) -> None:
+    """The table, green where a wavelength can be trusted, the sweep, and the advice."""
     show, best = Console(), found.best
     count = len(best.measured.velocities)
     table = Table(

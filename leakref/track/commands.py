@@ -133,6 +133,7 @@ def _words(request: Request) -> list[str]:
 
 
 def _timed(request: Request) -> dict[str, Any] | None:
+    """The timings of a file of pytest-benchmark, None if none is given. Raises LeakrefError if it has no yardstick."""
     if request.timings is None:
         return None
     if request.yardstick is None:
@@ -153,6 +154,7 @@ Measured = tuple[Mapping[str, Any], list[Series], list[str]]
 
 
 def _reference(scenes: Sequence[Scene], numbers: range, workers: int) -> Measured:
+    """By the compiled twin, over processes."""
     from leakref.chain import reference
 
     # a pool takes seconds to start, and a hundred realisations of a case on one core take twenty
@@ -162,6 +164,9 @@ def _reference(scenes: Sequence[Scene], numbers: range, workers: int) -> Measure
 
 
 def _any(request: Request, words: Sequence[str], scenes: Sequence[Scene], numbers: range) -> Measured:
+    """Any other target, in a process of its own, shown the cubes one after the other. Raises HarnessBroken if it has no
+    `extract`, besides what `connect` raises.
+    """
     limits = Limits.given(request.timeout, request.start, request.memory)
     with connect(request.target, words, limits=limits) as subject:
         if not subject.offers("extract"):
@@ -181,6 +186,7 @@ def _summary(entry: history.Entry) -> dict[str, Any]:
 
 
 def _recorded(entry: history.Entry, series: Sequence[Series]) -> Table:
+    """Bias and random part at about four wavenumbers of each series, as a glance at what was recorded."""
     table = Table(title=f"{escape(entry.target)}, {escape(entry.label)}: mean error ± standard deviation, in c0")
     for name in ("case", "window", "method"):
         table.add_column(name)
@@ -248,6 +254,7 @@ def _say_faults(kept: history.History) -> None:
 
 
 def _print(a: history.Entry, b: history.Entry, found: Comparison, timed: Sequence[Mapping[str, Any]]) -> None:
+    """Comparisons of one wavenumber are left out where they are equal or undecided: there are too many of them."""
     show = Console()
     show.print(f"{escape(str(a))} and {escape(str(b))}: mean errors in c0", soft_wrap=True)
     for key in dict.fromkeys((c.case, c.window, c.method) for c in found.changes):

@@ -77,6 +77,7 @@ def _interval(count: int, of: int) -> list[float]:
 
 
 def _series(ensembles: Sequence[Ensemble]) -> list[Series]:
+    """Errors of ensembles as series without a digest, to be compared with each other only."""
     return [
         Series(
             e.configuration.case,
@@ -124,6 +125,7 @@ def _mirrored(configuration: Configuration) -> Configuration:
 
 
 def _null(place: Path, executor: Executor | None, step: Progress) -> dict[str, Any]:
+    """The tallies of both kinds of null comparison, and of all together."""
     everything = [c for members in CASES.values() for c in members]
     turned = [c for c in everything if c.direction != 90.0 and not c.speed]
     rng = np.random.default_rng(20231101265)

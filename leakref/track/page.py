@@ -109,6 +109,7 @@ def _legend(drawing: Figure, axes: Any) -> None:
 def _level(
     ax: Any, shown: Sequence[Version], key: tuple[str, str, str], band: tuple[float, float], colour: str
 ) -> None:
+    """One band of one series over the versions; a line for each digest of the case, since others cannot be compared."""
     low, high = band
     name = f"{low:g} to {high:g}"
     rows: list[tuple[int, float, float, str]] = []
@@ -207,6 +208,7 @@ def page(history: History, shown: Sequence[Version], pictures: Sequence[Mapping[
 
 
 def _sentence(last: Version) -> str:
+    """What the last step came to, for the top of the page."""
     if last.step is None:
         return f"{last.entry.label} is the first version: nothing to compare it with."
     worse, compared = len(last.step.worse), len(last.step.changes)
@@ -220,6 +222,7 @@ def _sentence(last: Version) -> str:
 
 
 def _row(one: Version) -> dict[str, Any]:
+    """A version in the table: label, date, step, system, source, and how many realisations."""
     record = one.entry.record
     counts = (
         [(verdict, sum(change.verdict == verdict for change in one.step.changes)) for verdict in VERDICTS]

@@ -37,6 +37,8 @@ _TURNS = [
 
 
 def _turned(current: Current | None, turn: FloatArray) -> Any:
+    """A current, turned or mirrored with the sea; None is still water."""
+
     def by(velocity: Sequence[float]) -> tuple[float, float]:
         u, v = (turn @ np.asarray(velocity)).tolist()
         return u, v

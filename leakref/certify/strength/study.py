@@ -144,6 +144,7 @@ def _over(finding: Finding) -> float:
 
 
 def _killers(over: Mapping[str, float], family: str) -> list[str]:
+    """Findings of a family with an effect above the tolerance, in the order in which they were asked."""
     return [name for name, value in over.items() if value > 1 and name.partition(".")[0] == family]
 
 
@@ -199,7 +200,10 @@ def _families(records: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
 def variant_record(
     identifier: str, seed: int | None = None, *, make: Callable[[str], Any] = variants.implementation
 ) -> dict[str, Any]:
-    """The checks of the quick profile that a variant should pass and does not, on their own inputs or on fresh ones."""
+    """The checks of the quick profile that a variant should pass and does not, on their own inputs or on fresh ones.
+    Those of conformance only count for variants that deserve that grade. On fresh inputs only families that look at
+    seas are asked. `seed` None is the checks' own inputs.
+    """
     exact = VARIANTS[identifier].grade == "conformant" if identifier in VARIANTS else False
     if seed is None:
         pairs = [pair for pair in select(profile="quick") if exact or pair[0].family != "conformance"]

@@ -16,6 +16,7 @@ from leakref.certify.verdict import Unanswered, Verdict, printable
 __all__ = ["STAGES", "Declaration"]
 
 STAGES = ("window", "synthesize", "spectrum", "extract")
+"""In the order of the chain."""
 _LONGEST = 120  # characters of a word
 _DEFAULT = {"name": "unnamed", "version": "", "units": "scaled", "axes": "xyt", "y": "up", "direction": "to"}
 

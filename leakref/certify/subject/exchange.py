@@ -215,6 +215,7 @@ def _opened(top: Path, path: Path) -> BinaryIO:
 
 
 def _file(number: int) -> BinaryIO:
+    """A stream of an open file, if it is a regular one. Raises OSError, and closes it, for anything else."""
     if stat.S_ISREG(os.fstat(number).st_mode):
         return os.fdopen(number, "rb")
     os.close(number)
@@ -222,6 +223,7 @@ def _file(number: int) -> BinaryIO:
 
 
 def _seen(top: Path, path: Path) -> Seen:
+    """Inode, size and digest of an input as it is now."""
     with _opened(top, path) as stream:
         about = os.fstat(stream.fileno())
         return about.st_ino, about.st_size, hashlib.sha256(stream.read(about.st_size)).hexdigest()
@@ -293,7 +295,10 @@ def _entries(top: Path) -> set[Path]:
 
 
 def _remove(path: Path) -> None:
-    """A folder with all that is in it, whatever modes it was given and however deep; or what has taken its place."""
+    """A folder with all that is in it, whatever modes it was given and however deep; or what has taken its place.
+
+    Others may still write into it, so it is gone over several times; what cannot be removed is left.
+    """
     with suppress(OSError):  # somebody may be at work in it
         if not _is_folder(path):
             path.unlink(missing_ok=True)

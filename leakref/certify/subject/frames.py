@@ -27,6 +27,7 @@ __all__ = ["GRAVITY", "PEAK", "Call", "Subject", "Velocities"]
 PEAK = 0.25
 """rad/m: the peak wavenumber at which an implementation in metres and seconds is shown the scaled seas; 25 m waves."""
 GRAVITY = 9.81
+"""In m/s2, for a code in SI."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,6 +94,7 @@ class Subject:
         return all(value in offered for value in asked.values())
 
     def _require(self, stage: str, **asked: str) -> None:
+        """Raises Unanswered (unsupported) unless it offers that."""
         if not self.offers(stage, **asked):
             what = ", ".join(f"{name} {value}" for name, value in asked.items())
             raise Unanswered(Verdict.UNSUPPORTED, f"does not offer {stage}" + f" with {what}" * bool(what))
@@ -124,6 +126,9 @@ class Subject:
     def _surface(
         self, surface: FloatArray, spacing: Sequence[float], scale: float
     ) -> tuple[dict[str, Any], list[float], float]:
+        """The arrays eta, x, y, t in its units and frame, the steps dx, dy, dt, and gravity. Raises Unanswered for a
+        cube whose pixels are not square where it cannot be told so.
+        """
         if "dy" in self.declaration.fixed and abs(spacing[1] - spacing[0]) > 1e-9 * spacing[0]:
             raise Unanswered(Verdict.UNSUPPORTED, "knows square pixels only, and dy is not dx here")
         length, time, gravity = self.units(scale)
@@ -257,11 +262,13 @@ class Subject:
 
 
 def _tapered(surface: FloatArray, window: str) -> FloatArray:
+    """A cube times the window along each axis, for a code that tapers nothing itself."""
     wx, wy, wt = (named_window(window).samples(n) for n in surface.shape)
     return surface * wx[:, None, None] * wy[:, None] * wt
 
 
 def _part(answer: Mapping[str, Any], name: str) -> Any:
+    """An output by its name. Raises Unanswered (fail) if the answer does not hold it."""
     if name not in answer:
         raise Unanswered(Verdict.FAIL, f"the answer holds {sorted(map(str, answer))}, should hold {name}")
     return answer[name]
@@ -313,6 +320,9 @@ def _numbers(given: Any) -> FloatArray | None:
 
 
 def _refuse_bad(found: FloatArray) -> None:
+    """Infinite stands for NaN or infinity in the answer (see `_rows`), NaN for what was declined: the first is a
+    failure, and so is it to decline everything.
+    """
     if (bad := np.isinf(found).any(axis=1)).any():
         raise Unanswered(
             Verdict.FAIL,

@@ -80,12 +80,16 @@ def _close_streams() -> None:
 
 
 def _command(control: socket.socket) -> list[bytes]:
+    """The folder and the argument list, as bytes: what is handed over is not decoded."""
     with control.makefile("rb") as stream:
         return stream.read(int.from_bytes(stream.read(8), "big")).split(b"\0")
 
 
 def _started(command: list[bytes]) -> tuple[int, int]:
-    """The number of the program's process, in a session of its own, and of the error that kept it from starting."""
+    """The number of the program's process, in a session of its own, and of the error that kept it from starting. The
+    program is killed when this process ends, which the kernel sees to; should it have ended already the program is not
+    run at all.
+    """
     reader, writer = os.pipe()
     guardian = os.getpid()
     process = os.fork()

@@ -84,6 +84,7 @@ class InProcess(Subject):
 
 
 def _name(implementation: Any) -> str:
+    """What it is called where it does not say: module and qualified name."""
     own = getattr(implementation, "__qualname__", None) or type(implementation).__qualname__
     return f"{getattr(implementation, '__module__', '')}:{own}"
 

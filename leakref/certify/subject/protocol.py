@@ -29,7 +29,9 @@ from leakref.synthesis import synthesize
 __all__ = ["FORMATS", "PROTOCOL", "STRIKES", "HarnessBroken", "Limits", "ProcessSubject"]
 
 PROTOCOL = 1
+"""The version that is spoken; a program that answers with another is refused at the start."""
 FORMATS = ("mat", "npz", "raw")
+"""Of arrays in files, as they are offered to the program, which chooses one in its declaration."""
 STRIKES = 3
 """Breaches in a row after which nothing more is asked."""
 _OUTPUTS = {"spectrum": "S", "synthesize": "eta", "window": "w"}
@@ -142,6 +144,7 @@ class ProcessSubject(Subject):
                 last_resorts.discard(self._abandon)
 
     def _abandon(self) -> None:
+        """The last resort if we are told to end: nothing of it may be left behind."""
         self.interrupt()
         self._exchange.close()
 
@@ -222,6 +225,9 @@ class ProcessSubject(Subject):
     # ------------------------------------------------------------ one run
 
     def _work(self, stage: str, arrays: dict[str, Any], parameters: dict[str, Any]) -> Mapping[str, Any]:
+        """One request and its answer. Whatever happens, what was changed in the folder is noted and the folder emptied;
+        after a breach the program is ended, and started again with the next question.
+        """
         if self._strikes >= STRIKES:
             raise Unanswered(
                 Verdict.ERROR,
@@ -316,4 +322,5 @@ class ProcessSubject(Subject):
 
 
 def _first(declared: Declaration, stage: str, names: str) -> str:
+    """A name that it declares for a stage, for the first small question."""
     return str(next(iter(declared.can[stage].get(names, ())), "hann"))

@@ -37,7 +37,9 @@ __all__ = [
 ]
 
 Input = Mapping[str, Any]
+"""An entry's input, by name: numbers and lists as JSON has them."""
 Output = dict[str, Any]
+"""Outputs by name, arrays or what becomes one; `notes` are lists of names."""
 Route = Callable[[Input], Output]
 WAVE = ("kx", "ky", "omega", "amplitude", "phase")
 

@@ -167,6 +167,9 @@ def _record(found: Extraction) -> Output:
 
 
 def _velocities_by_oracle(given: Input, first: Output, method: str = "nsp") -> Output:
+    """NSP by Newton's method with 40 digits from the velocity that the chain found, so that both are the same maximum;
+    LS by Cramer's rule, from nothing.
+    """
     values, result = oracle_values(given), []
     for k, start in zip(given["wavenumbers"], np.asarray(first["velocities"]), strict=True):
         if not np.isfinite(start).all() and method == "nsp":
@@ -178,6 +181,7 @@ def _velocities_by_oracle(given: Input, first: Output, method: str = "nsp") -> O
 
 
 def _velocities_conditioning(given: Input, method: str) -> Output:
+    """Of the velocities that the chain finds on the surface, by `velocity_conditioning`."""
     spectrum = by_surface(given)
     found = analyse(spectrum, given["wavenumbers"], gravity=given["gravity"], method=method, search=False)
     return {"velocities": velocity_conditioning(spectrum, found, turns(given), Water(given["gravity"]))}

@@ -36,6 +36,7 @@ def _scaled_grid(given: Input) -> Output:
 
 
 def _scaled_grid_by_oracle(given: Input, _: Output) -> Output:
+    """By the rules of sec:parameters alone: 28 samples a wavelength, 14 a period, shells from 0.4 to 3.5."""
     mp, mpf = oracle.mp, oracle.mpf
     sizes = [int(mp.nint(mpf(given["length"]) * 28)), int(mp.nint(mpf(given["duration"]) * 14))]
     sides = [2 * mp.pi * mpf(given[name]) for name in ("length", "duration")]
@@ -88,6 +89,7 @@ def _dispersion(given: Input) -> Output:
 
 
 def _dispersion_by_oracle(given: Input, _: Output) -> Output:
+    """The group velocity as the derivative of omega0, and not by a formula of its own."""
     g = given["gravity"]
     omega = [oracle.dispersion(k, g) for k in given["wavenumber"]]
     return {
@@ -107,6 +109,7 @@ def _resolutions(given: Input) -> Output:
 
 
 def _resolutions_by_oracle(given: Input, _: Output) -> Output:
+    """eq:dcdwk: domega / k, and half the phase velocity times dk / k."""
     g, dk, dw = (oracle.mpf(given[name]) for name in ("gravity", "wavenumber_resolution", "frequency_resolution"))
     k = [oracle.mpf(v) for v in given["wavenumber"]]
     group = [oracle.dispersion(v, g) / v / 2 for v in k]
@@ -170,6 +173,7 @@ def _jonswap_conditioning(given: Input, found: Output) -> Output:
 
 
 def _spreading_conditioning(given: Input, found: Output) -> Output:
+    """The argument of the cosine is a difference of angles over the spread: its turns are what rounds."""
     turn = (largest(given["direction"]) + abs(given["mean"]) + 360) / given["spread"]
     return {"density": 4 + np.pi * turn}
 
@@ -196,6 +200,9 @@ def _sea_by_oracle(given: Input, _: Output) -> Output:
 
 
 def _sea_conditioning(given: Input, found: Output) -> Output:
+    """Wavenumbers are products of whole numbers with dk; amplitudes round with the exponents of eq:JONSWAP and the
+    cosine of the spreading; phases are exact unless the sea is turned about a centre.
+    """
     k = np.hypot(found["kx"], found["ky"])
     a, turning = np.asarray(found["amplitude"]), given.get("rotation", 0) != 0
     centre = np.hypot(*given.get("centre", (0, 0)))
@@ -211,6 +218,7 @@ def _sea_conditioning(given: Input, found: Output) -> Output:
 
 
 def _surface_conditioning(given: Input, _: Output) -> Output:
+    """Each wave by its amplitude times the radians of its phase, all added as if none cancelled."""
     x, y, t = (largest(given[axis]) for axis in "xyt")
     w = waves_of(given)
     turns = np.abs(w.kx) * x + np.abs(w.ky) * y + np.abs(w.omega) * t + np.abs(w.phase)

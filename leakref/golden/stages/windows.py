@@ -82,6 +82,9 @@ def _tops(level: Callable[[float], Any], zero: float) -> list[float]:
 
 
 def _figures(given: Input) -> Output:
+    """Zeros and levels of the lobe by bracketing, the highest sidelobe by a search near each top, the noise bandwidth
+    by quadrature of the squared window. Widths and the first zero are in bins, levels over that of the centre.
+    """
     from scipy.optimize import brentq, minimize_scalar
 
     taper, start = window(given["window"]), _ZERO[given["window"]]
