@@ -8,6 +8,11 @@ Faults (`certify.strength.faults`) and variants (`claims.variants`, `certify.str
 are made in the text and not by patching objects, because the compiled loops would not see a patch. A text that no
 longer occurs, or occurs twice, is refused before anything runs: a fault that changes nothing would pass for a weak
 suite.
+
+For instance the chain with a Hann window sampled the other way (D1):
+
+    other = altered((Change("window", "symmetric: bool = False", "symmetric: bool = True"),))
+    other.window.window("hann").samples(4)  # 0, 0.75, 0.75, 0
 """
 
 from __future__ import annotations

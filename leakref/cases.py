@@ -3,6 +3,9 @@
 Each case of tab:case_collection is a tuple of configurations, one for each line of a figure. All that the paper leaves
 open about them is a decision (D9 to D13, D22, D23). The seas that only the claims need are in `claims.configurations`;
 nothing is computed here but grids and currents.
+
+An id is the case and what varies in it, as `leakref reproduce --list` prints them: `nsp-ls`,
+`gamma/spread=15,peakedness=7`, `U/rotation=30,current=0.15,current_direction=0`.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """`leakref demo`: the paper's central result, seen to appear.
 
-It needs no input and takes a minute: a narrow sea in still water, measured with and without a taper, by the surface and
+It needs no input: a narrow sea in still water, measured with and without a taper, by the surface and
 its FFT and in closed form; then the reference and a code with a planted fault are certified by a few checks. Each step
 states its figure and whether it is as it should be.
 """

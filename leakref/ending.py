@@ -87,6 +87,7 @@ def over() -> None:
 
 
 def _interrupt(number: int, frame: object) -> None:
+    """An interruption that comes while it is held back is counted as lost, and repeated by `_watch`."""
     _Told.by = _Told.by or number
     if not (_Told.raised or _Told.deferred):
         _Told.raised = True
@@ -103,6 +104,9 @@ def _unraisable(said: Any) -> None:
 
 
 def _watch(reader: int) -> None:
+    """The thread that `install` starts: it sleeps on the pipe until a signal is written there, repeats an interruption
+    that got lost, and after `_PATIENCE` ends everything by force.
+    """
     while os.read(reader, 1)[0] not in _SIGNALS:
         pass
     end = time.monotonic() + _PATIENCE
@@ -115,6 +119,9 @@ def _watch(reader: int) -> None:
 
 
 def _by_force() -> None:
+    """Workers first, then the last resorts, each of which may hang and is not waited for; one line, and the exit
+    status.
+    """
     for process in multiprocessing.active_children():
         process.kill()
     hurried = threading.Thread(target=_tidy, daemon=True)
@@ -127,6 +134,7 @@ def _by_force() -> None:
 
 
 def _tidy() -> None:
+    """The last resorts, each of them whatever the others did."""
     for resort in list(last_resorts):
         with suppress(Exception):  # the others are to have their turn, and there is nobody left to tell
             resort()

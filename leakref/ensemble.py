@@ -3,6 +3,13 @@
 This is where statistics are made (sec:parameters): every figure, table and golden ensemble goes through `Ensemble`. It
 computes nothing by itself but what one realisation gives (`realize`); running many is for `runs`. All is in scaled
 units: wavenumbers in `k0`, velocities in `c0`.
+
+With c_r the velocity of realisation r, of R that have a number:
+
+    bias     =  sum |c_r| / R
+    random   =  sqrt(sum (|c_r| - bias)^2 / (R - 1))
+    mean     =  sum c_r / R
+    standard_error  =  random / sqrt(R)
 """
 
 from __future__ import annotations

@@ -88,6 +88,7 @@ def explain(identifier: str) -> Explanation:
 
 
 def _text(value: Any) -> str:
+    """Lists and dictionaries in a line, for people."""
     if isinstance(value, dict):
         return ", ".join(f"{name} = {_text(item)}" for name, item in value.items())
     return ", ".join(map(_text, value)) if isinstance(value, list | tuple) else str(value)
@@ -167,6 +168,7 @@ def _killed_by(check: str) -> list[str]:
 
 
 def _family(identifier: str) -> Explanation | None:
+    """What a family of checks is about, and which belong to it."""
     from leakref.certify.checks.registry import FAMILIES
     from leakref.certify.runner import select
 
@@ -196,6 +198,7 @@ def _fault(identifier: str) -> Explanation | None:
 
 
 def _variant(identifier: str) -> Explanation | None:
+    """What is different about a correct code, and the grade it deserves."""
     from leakref.certify.strength.variants import VARIANTS
 
     variant = VARIANTS.get(identifier.removeprefix("variant:"))

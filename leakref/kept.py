@@ -6,6 +6,13 @@ asked for, of the form that is asked for, and as it was written; anything else i
 Used by `runs`, `claims`, `golden` and the strength study. There is no index and no lock: each part is a file of its own
 that is written whole or not at all, so that several processes may share a folder and any of them may be killed. A part
 that is not taken is never removed.
+
+A part is written and taken back with the same `about`; with any other it is not there:
+
+    about = {"sea": "broad", "number": 3}
+    path = folder / f"{key(about)}.json"
+    keep_record(path, about, {"bias": 0.1})
+    assert record(path, about) == {"bias": 0.1} and record(path, {**about, "number": 4}) is None
 """
 
 from __future__ import annotations
@@ -55,6 +62,7 @@ def key(about: About) -> str:
 
 
 def _seal(about: str, contents: Mapping[str, np.ndarray]) -> str:
+    """Names, types, shapes and bytes of all arrays, and what they are of."""
     parts = [about.encode()]
     for name, values in sorted(contents.items()):
         parts += [f"{name} {values.dtype.str} {values.shape}".encode(), np.ascontiguousarray(values).tobytes()]

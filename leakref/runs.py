@@ -4,6 +4,12 @@ A run is a list of configurations and a number of realisations. Each realisation
 not depend on where or when it is computed: so tasks can be spread over processes or a cluster, kept one by one, and
 taken from where an earlier run left them. `reproduce`, `claims`, `plan`, `track` and `golden` all compute through
 `run`. What a realisation is is in `ensemble`; files are `kept`'s.
+
+For instance ten realisations of one case, by two processes:
+
+    with pool(2) as executor:
+        for ensembles in run(configurations(["nsp-ls"]), realizations=10, executor=executor):
+            print([(e.window, e.method, e.bias) for e in ensembles])
 """
 
 from __future__ import annotations

@@ -7,6 +7,9 @@ submodule does not count for the `__init__` above it, which has no way into what
 Digests of kept results and of histories come from `digest`, so that a change in a module that has nothing to do with a
 number does not throw the number away. `reach` goes further, by definitions, and decides which compiled modules an
 alteration must compile again.
+
+A digest is of whole files, so that a docstring that changes makes kept results be computed again: that is the price of
+never having to ask what a change meant.
 """
 
 from __future__ import annotations
@@ -87,7 +90,9 @@ def _file(module: str, root: Path) -> Path | None:
 
 
 def _home(pair: Pair, root: Path) -> Iterator[Pair]:
-    """The modules of the package that an import counts for, each with the name asked of it."""
+    """The modules of the package that an import counts for, each with the name asked of it. A name that a package loads
+    on first use (`__getattr__`) is looked up among the imports of its type checkers.
+    """
     module, name = pair
     path = _file(module, root)
     if name == "*":

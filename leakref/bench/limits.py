@@ -34,6 +34,7 @@ __all__ = [
 ]
 
 MATRIX, MATRIX_ONE, MEMORY = "matrix product", "matrix product, one thread", "memory"
+"""The limits, as they are named in a row."""
 
 
 def seconds(work: Callable[[], object], repeats: int = 3, pick: Callable[[list[float]], float] = median) -> float:

@@ -213,7 +213,9 @@ def bias(
 
 
 def _errors(subject: Subject, cube: Cube, window: str, method: str, scale: float) -> FloatArray | None:
-    """|c - U| of the implementation and of the reference, (2, n); None without an answer."""
+    """|c - U| of the implementation and of the reference, (2, n); None without an answer. The reference is shown the
+    same cube, always with Hann and NSP.
+    """
     try:
         answer = subject.extract(
             cube.surface, cube.spacing, cube.wavenumbers, window=window, method=method, scale=scale
@@ -225,7 +227,10 @@ def _errors(subject: Subject, cube: Cube, window: str, method: str, scale: float
 
 
 def _summed(sea: Sea, scale: float, method: str, errors: FloatArray) -> Bias:
-    """`errors` (R, 2, n)."""
+    """`errors` (R, 2, n). Mean and deviation are over all answers at a wavenumber; the ratio is over those realisations
+    in which both codes have an answer somewhere, each reduced to its mean over the wavenumbers, so that its error
+    counts realisations.
+    """
     with np.errstate(invalid="ignore"):
         count = np.isfinite(errors).sum(axis=0)
         mean = np.where(count > 0, np.nansum(errors, axis=0) / np.maximum(count, 1), np.nan)

@@ -27,6 +27,7 @@ from leakref.certify.verdict import WRONG, Finding, Verdict
 __all__ = ["CONFORMANT", "REJECTED", "SOUND", "Certificate", "Known", "junit", "read_known", "schema"]
 
 CONFORMANT, SOUND, REJECTED = "conformant", "sound", "rejected"  # grades
+"""The grades, as they stand in the JSON and on the page; a certificate by which nothing could be judged has none."""
 
 
 @dataclass(frozen=True)
@@ -163,7 +164,9 @@ class Certificate:
         return SOUND if beyond else REJECTED  # one that offers nothing else has only the golden values to go by
 
     def _declined(self) -> list[str]:
-        """Families in which it was asked for numbers and gave none."""
+        """Families in which it was asked for numbers and gave none. Conformance is left out: a code may decline golden
+        values and still be sound.
+        """
         verdicts: dict[str, set[Verdict]] = {}
         for f in self.judged:
             verdicts.setdefault(f.family, set()).add(f.verdict)

@@ -175,7 +175,7 @@ def _so_far(seen: Sequence[Finding], count: int) -> None:
 
 
 def _named(found: Certificate, request: Request) -> Certificate:
-    """With what was asked for in the lines that show a finding again."""
+    """With what was asked for in the lines that show a finding again. A target is quoted as a shell needs it."""
     said = shlex.quote(request.target) if request.target else f"--command {shlex.quote(str(request.command))}"
     return replace(found, findings=[replace(f, repro=f.repro.replace("TARGET", said)) for f in found.findings])
 
@@ -194,7 +194,9 @@ def _split(command: str) -> list[str]:
 
 
 def _biased(found: Certificate, session: ProcessSubject) -> tuple[Certificate, list[dict[str, str]]]:
-    """With how biased it is, sea by sea, and a picture of that for the page."""
+    """With how biased it is, sea by sea, and a picture of that for the page. In a session of its own, since the one of
+    the checks has ended. Nothing is measured where it offers no velocities.
+    """
     from leakref.certify.bias import REALIZATIONS, SCALES, SEAS, bias, figure
 
     if "extract" not in found.declaration["can"]:

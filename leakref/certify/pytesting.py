@@ -49,6 +49,7 @@ def settle(finding: Finding, target: str | None = None) -> None:
 
 
 def _this_test() -> str:
+    """pytest names the running test in the environment."""
     return f"pytest {shlex.quote(os.environ.get('PYTEST_CURRENT_TEST', '').rpartition(' ')[0])}"
 
 

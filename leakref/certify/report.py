@@ -111,7 +111,9 @@ def _row(finding: Finding, check: Check | None, is_open: bool) -> dict[str, Any]
 
 
 def _drawings(figures: Mapping[str, Any], over: float, title: str = "velocities") -> Iterator[dict[str, Any]]:
-    """Arrows of every part of the figures that has velocities (n, 2) and what they should be; `over` of the finding."""
+    """Arrows of every part of the figures that has velocities (n, 2) and what they should be; `over` of the finding.
+    Figures may hold figures of several methods or windows: each part that has velocities is drawn.
+    """
     if {"wavenumbers", "velocities", "should_be"} <= set(figures):
         labels = [f"k = {k:.3g}" for k in figures["wavenumbers"]]
         yield _arrows(
@@ -127,7 +129,9 @@ def _drawings(figures: Mapping[str, Any], over: float, title: str = "velocities"
 
 
 def _arrows(title: str, labels: Sequence[str], *values: npt.ArrayLike) -> dict[str, Any]:
-    """`values`: found (n, 2), should be (n, 2), effect over tolerance (n,)."""
+    """`values`: found (n, 2), should be (n, 2), effect over tolerance (n,). All arrows are drawn to one scale, the
+    longest 45 units; at most `_MOST` wavenumbers are shown. Red are those that are beyond the tolerance.
+    """
     found, should, over = (np.asarray(value, dtype=np.float64) for value in values)
     longest = np.nanmax(np.abs(np.concatenate([found, should])), initial=1e-12)
     x = 60 + 110 * np.arange(len(labels))

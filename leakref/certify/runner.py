@@ -4,6 +4,12 @@ Sessions take checks from one queue, each as soon as it is free, so that a slow 
 findings are put back into the order of the checks. One session always runs in the calling thread. `select` decides
 which checks and cases are asked, and is the only place that knows profiles and patterns. Whether an answer is right is
 for the checks, and what all of it amounts to for the certificate.
+
+The whole of it in Python, without a process of its own and without limits:
+
+    session = nullcontext(InProcess(implementation))
+    found = certify("mine", [session], select(["signs"], profile="quick"), profile="quick")
+    print(found.grade, [finding.message for finding in found.wrong])
 """
 
 from __future__ import annotations
@@ -98,7 +104,9 @@ def certify(
 
 
 def _left_over(subjects: Sequence[Subject]) -> list[Finding]:
-    """What an implementation did to its input in a session in which no check has looked for it since."""
+    """What an implementation did to its input in a session in which no check has looked for it since. Such violations
+    are noted by the session and read by a check of behaviour; those after the last such check would be lost.
+    """
     done = list(dict.fromkeys(violation for subject in subjects for violation in subject.violations))
     return (
         [

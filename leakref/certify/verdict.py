@@ -27,7 +27,7 @@ class Verdict(StrEnum):
     """Of one check on one case.
 
     PASS and FAIL are of a number that was compared, or of a behaviour that was looked at. A time-out is a run that gave
-    no answer within its limit; the program is then ended and started again.
+    no answer within its limit; the program is then ended and started again. Its words are those in the JSON.
     """
 
     PASS = "pass"
@@ -73,7 +73,10 @@ class Finding:
     calls: tuple[Any, ...] = field(default=(), repr=False)
 
     def record(self) -> dict[str, Any]:
-        """As in the JSON of `leakref certify` (guide protocol, section 14)."""
+        """As in the JSON of `leakref certify` (guide protocol, section 14).
+
+        `figures` and `calls` are left out: they are large, and for reports and the diagnosis only.
+        """
         return {
             "id": self.id,
             "family": self.family,

@@ -59,7 +59,9 @@ def main(target: str, *told: str) -> None:
 
 
 def _taken(number: int, mode: str) -> IO[str]:
-    """Standard input or output for the protocol alone; in its place nothing, or standard error."""
+    """Standard input or output for the protocol alone; in its place nothing, or standard error. So neither a print of
+    the target nor a library that reads can spoil the protocol.
+    """
     stream = os.fdopen(os.dup(number), mode, encoding="utf-8", newline="\n")
     replacement = os.open(os.devnull, os.O_RDONLY) if mode == "r" else os.dup(2)
     os.dup2(replacement, number)
@@ -145,7 +147,9 @@ def _simple(value: Any) -> Any:
 
 
 def _save(path: Path, found: Mapping[str, Any]) -> None:
-    """The output variables as float64 or complex128, so that they can be read elsewhere; what is masked is NaN."""
+    """The output variables as float64 or complex128, so that they can be read elsewhere; what is masked is NaN. It goes
+    by `np.savez`, to the path that was asked for.
+    """
     values = {}
     for name, value in found.items():
         array = np.ma.masked_array(value)

@@ -33,9 +33,13 @@ __all__ = [
 ]
 
 DIRECTIONS, SPREADS, WIDER = (60.0, 75.0, 90.0), (15.0, 30.0, 45.0, 60.0), (75.0, 90.0, 120.0)
+"""theta0 and spreads of the paper's case, and spreads beyond it, in degrees."""
 GAMMAS = (1.0, 3.3, 7.0)
+"""Of case-gamma."""
 LENGTHS = (5.0, 10.0, 20.0)
+"""Of case-L-T, in peak wavelengths."""
 SPEEDS = (0.025, 0.075, 0.15)
+"""Of case-U in `c0`; the paper names no others within its range (D22)."""
 CURRENTS = {"following": 90.0, "crossing": 0.0, "opposing": -90.0}
 """Directions of the current by what they are for waves at 90 degrees."""
 ROTATIONS = ((60.0, 15.0), (60.0, 30.0), (75.0, 15.0), (45.0, 45.0))  # theta0 and angle; sums are 75, 90, 90, 90

@@ -2,6 +2,14 @@
 
 Eleven statements, U1 to U11. Errors are |c - U|, or the mean of |c| against U as the paper's figures show it: where the
 two could differ both are readings. Rotated seas are turned either way (D23) where that could matter.
+
+- U1, U2: the sign of the errors along the waves, and their size against still water.
+- U3: a crossing current, untapered, turns velocities towards the waves' line at low wavenumbers.
+- U4: a taper reduces errors of size and direction for currents along the waves.
+- U5, U6: tapered, a crossing current keeps a bias of about a tenth of `c0`, and errors of direction.
+- U7, U8: rotated by 30 degrees, untapered, biases are stronger, down to half of the current.
+- U9, U10: tapered, a rotation does not matter, and other angles are alike.
+- U11: with a current errors are mostly below resolution.
 """
 
 from __future__ import annotations
@@ -111,6 +119,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "significantly different. Not rotated; untapered and Hann.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Still water has the same phases, so that the difference is paired."""
     for (measure, of), window in product(MEASURES.items(), WINDOWS):
         still = see(current(0.0), window)
         differences = [of(see(one, window)) - bias(still) for one in turn(0.0)]
@@ -166,6 +175,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "order (10^-1/2 to 10^1/2 times it), over all shells and at |k - 1| <= 0.1. Not rotated, all speeds.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """A mean is about a tenth if it is between two limits; at each shell the nearer one counts."""
     for (measure, of), (words, low, high) in product(
         {**MEASURES, "mean vector against U": _vector}.items(),
         (("of the order of 10 %", 0.1 * 10**-0.5, 0.1 * 10**0.5), ("within 10 % of 10 %", 0.09, 0.11)),
@@ -193,6 +203,7 @@ def _between(sample: Sample, low: float, high: float) -> Tally:
     "k < 1 (the text speaks of k below the peak), and for all at k = 0.45 to 0.55. Not rotated.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """The degrees themselves stand in the figure, since the paper names a range."""
     for words, of in _ANGLES.items():
         weak = of(see(current(SPEEDS[0], _CROSSING), "hann")).at(BELOW)
         low = [
@@ -280,6 +291,7 @@ def _length(e: Ensemble) -> np.ndarray:
     "of the mean vector turned back; not significantly different, or closer than the smaller resolution.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """The mean vector is compared in the frame of the current, component by component."""
     pairs = [(see(current(one.speed, one.current_direction, 30.0), "hann"), see(one, "hann")) for one in turn(0.0)]
     differences = {
         "mean of |c|": [bias(a) - bias(b) for a, b in pairs],

@@ -1,6 +1,6 @@
 """`leakref claims --decisions`: how far each decision moves the velocities, as a table, as JSON and as a figure.
 
-What is kept in `golden/decisions.json` is printed unless it is to be computed, which takes hours. The study and the
+What is kept in `golden/decisions.json` is printed unless it is to be computed, which takes long. The study and the
 judging are `shifts`'; here are the table, the record and the figure's call.
 """
 

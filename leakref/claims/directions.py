@@ -2,6 +2,17 @@
 
 Fourteen statements, A1 to A14, each a predicate that yields readings; what is tested is said in its registration. Their
 seas differ in direction and spread alone, so that realisations are compared in pairs with the same phases.
+
+- A1, A2: untapered, the mean velocity points along the waves below the peak and against them above.
+- A3: for oblique narrow seas it is the component across the waves that dominates above the peak.
+- A4, A5: a wider spread lowers bias and random part, up to 60 degrees.
+- A6: near the peak spurious velocities are negligible.
+- A7, A11: untapered the direction matters, most at 45 degrees; tapered much less.
+- A8: a taper helps less below the peak than above.
+- A9: turned videos are like seas that go that way.
+- A10, A13: tapered narrow seas, and wide ones, are below the resolutions.
+- A12: how large biases can get.
+- A14: leakage from the peak that misses the cylinder does no harm.
 """
 
 from __future__ import annotations
@@ -164,6 +175,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "untapered, and by a significant amount.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """A change that is significant but for the worse contradicts, since influence is said to be reduced."""
     for words, of in STATISTICS.items():
         matters, reduced = [], []
         for (a, b), spread in product(combinations(DIRECTIONS, 2), SPREADS):
@@ -186,6 +198,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "band; for all of the case, counted by configuration.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """What is left is the ratio of the biases, so that the band where it is larger is the one that is helped less."""
     share, amount = [], []
     for angle, spread in product(DIRECTIONS, SPREADS):
         box, hann = (bias(see(sea(angle, spread), window)) for window in WINDOWS)
@@ -225,6 +238,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "Mean of |c|, or mean + 2 sd, below the smaller resolution at every shell; spread 15, theta0 = 60, 75, 90.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """All shells are meant, so that there is no reading of most of them."""
     for level, of in LEVELS.items():
         ensembles = [see(sea(angle, 15), "hann") for angle in DIRECTIONS]
         yield from every({"level": level}, sub_resolution=pooled(*(below(of(e), smaller(e)) for e in ensembles)))

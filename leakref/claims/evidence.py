@@ -197,7 +197,9 @@ def resampled(configuration: Configuration, realization: int) -> FloatArray:
 
 def _timed(configuration: Configuration, repeats: int = 3) -> dict[str, FloatArray]:
     """Seconds per shell, the best of `repeats`, (n,) each: the bins picked, and the current found by NSP, by LS in
-    closed form and by LS with Nelder-Mead, as the paper has it."""
+    closed form and by LS with Nelder-Mead, as the paper has it. Shells are picked once before the timings of the
+    extractions, which are on the same shells.
+    """
     k, dk = configuration.wavenumbers, configuration.grid.wavenumber_resolution
     spectrum = leakage.spectrum(
         configuration.components(0), configuration.grid, "hann", largest_wavenumber=float(k.max()) + 3 * dk

@@ -1,6 +1,11 @@
 """P: peakedness (case-gamma; sec:peakedness).
 
 Six statements, P1 to P6, on seas that differ in gamma and spread.
+
+- P1, P2: a larger gamma makes narrow seas worse, and wide ones hardly.
+- P3: above 45 degrees of spread nothing changes any more, at this resolution.
+- P4: untapered, nothing below the peak can be relied on.
+- P5, P6: tapered, even the most peaked and narrow sea is below resolution, and the spread does not matter.
 """
 
 from __future__ import annotations
@@ -71,6 +76,9 @@ def _(see: Evidence) -> Iterator[Reading]:
     "or mean + 2 sd, is below the smaller or larger resolution. Untapered and Hann.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Three parts that must hold together: most is removed, more of it at high wavenumbers, and there it is below
+    resolution.
+    """
     for window, level, resolution in product(WINDOWS, LEVELS, RESOLUTIONS):
         removed, better_high = [], []
         for of in STATISTICS.values():
@@ -105,6 +113,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "errors.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """That this changes with resolution is part of the statement, and is tested beside it at other lengths."""
     change = {
         length: (bias(see(peaked(45, 3.3, length), "box")) - bias(see(peaked(60, 3.3, length), "box"))).over()
         for length in (5.0, 10.0, 20.0)
@@ -168,6 +177,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "the smaller resolution.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """A difference may be significant and yet too small to matter: the words allow both readings."""
     for words, of in STATISTICS.items():
         insignificant, negligible = [], []
         for gamma, (a, b) in product(GAMMAS, combinations(SPREADS, 2)):

@@ -2,6 +2,13 @@
 
 A claim is a function that yields readings, registered with its words by `claim`. The verdict follows from the readings
 and from nothing else. Modules of claims register on import, in whatever order; `claims.CLAIMS` has them sorted.
+
+A claim in its module reads:
+
+    @claim("R5", "with Hann every bias is well below the resolutions", "sec:resolution", "Mean of |c| ...")
+    def _(see):
+        ensembles = [see(domain(length, t), "hann") for length, t in ...]
+        yield from every({"level": "mean"}, well_below=pooled(*(below(bias(e), ...) for e in ensembles)))
 """
 
 from __future__ import annotations
@@ -43,7 +50,11 @@ class Claim:
 
 @dataclass(frozen=True, eq=False)
 class Finding:
-    """What came of a claim: its readings, the first of which is the nearest to the words."""
+    """What came of a claim: its readings, the first of which is the nearest to the words.
+
+    `readings` come in the order in which the predicate yields them. The verdict is one of `reproduced`, `not
+    reproduced` and `depends on`.
+    """
 
     claim: Claim
     readings: tuple[Reading, ...]

@@ -151,8 +151,10 @@ def _turned_back(values: FloatArray, degrees: float) -> FloatArray:
 class Shifts:
     """How far one variant moves what one window and method give, shell by shell: against a reference Ensemble.
 
-    `moved` (R, n) is |c' - c| in c0, `share` the same over the smaller resolution, `flagged` (R, n) where the
-    reference has a note, `better` (R, n) the error |c' - U| less |c - U|.
+    `moved` (R, n) is |c' - c| in c0, `share` the same over the smaller resolution, `flagged` (R, n) where the reference
+    has a note, `better` (R, n) the error |c' - U| less |c - U|. Velocities are compared in the frame of the sea before
+    its rotation, so that a rotation the other way (D23) is no shift by itself. `lost` (R, n) is where the variant has
+    no number and the reference has one.
     """
 
     def __init__(self, variant: Variant, reference: Ensemble, other: FloatArray) -> None:

@@ -1,6 +1,6 @@
 """What was found, as kept in `golden/`: the verdicts of the claims, and how far each decision moves the velocities.
 
-Evaluating all claims takes hours; what came of it is kept with the package, so that `leakref explain`, the guides and
+Evaluating all claims takes long; what came of it is kept with the package, so that `leakref explain`, the guides and
 the documentation can quote it. `write` makes these files. They are results of a version, and say with how many
 realisations.
 """

@@ -35,6 +35,8 @@ class Variant:
     it acts on no other sea. If not `paired`, the waves are others, so that only statistics can be compared. `sense` is
     that of the rotation of the sea. Where the change is one of the data and not of the chain, it is a `setting`.
     `realizations` are the most that are worth while.
+
+    Tests hold the two altered chains to each other's velocities.
     """
 
     id: str

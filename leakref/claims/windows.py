@@ -2,6 +2,13 @@
 
 Nine statements, W1 to W9. Most are about the windows themselves and need no sea: their transforms are looked at in
 bins, over their value at zero.
+
+- W1: how far the box leaks.
+- W2, W3, W5: Blackman's lines, its sidelobes, its width against Hann's.
+- W4: Hann at long and short range.
+- W6, W7: the width a of eq:DSVkernel, fitted and varied.
+- W8: in two dimensions leakage runs along the axes.
+- W9: velocities under three tapers.
 """
 
 from __future__ import annotations
@@ -101,6 +108,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "three bins on (the caption of fig:leakage_lobes calls one and two bins short range); above 1 % at one bin.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """That it leaks at one bin belongs to the statement, and must hold in both readings."""
     v, height = lobes(see.window("hann"))
     near = float(height[np.searchsorted(v, 1.0)])
     for words, start in (("more than 2 bins away", 2.0), ("3 bins away or more", 3.0)):
@@ -126,6 +134,7 @@ def _first_zero(v: FloatArray, height: FloatArray) -> float:
     "height, at a tenth and at a hundredth.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """The statement names no level, so that there is a reading for each."""
     curves = [lobes(see.window(name)) for name in ("blackman", "hann")]
     for words, level in (
         ("zeros", 0.0),
@@ -173,6 +182,7 @@ def _gaussian(v: FloatArray, a: float, height: float = 1.0) -> FloatArray:
     "(theta0 = 90, spread 60 degrees) and narrow one (60, 15), L = 10, T = 20.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Stable may mean little scatter from sea to sea, or little change with a."""
     for words, one in (("normal", domain(10.0, 20.0)), ("narrow", sea(60.0, 15.0))):
         for window in WINDOWS:
             found = {a: see(one, window, setting=Setting(width=float(a))) for a in range(2, 7)}

@@ -60,9 +60,11 @@ __all__ = [
 ]
 
 WINDOWS = ("box", "hann")
+"""Untapered and tapered, as most statements compare them."""
 Answer = bool | None
 """Holds, does not hold, or None: the sampling error does not tell."""
 Band = Callable[[FloatArray], Any]
+"""Takes wavenumbers (n,) in `k0` and says of each whether it is inside."""
 Mask = Any
 _ROUNDING = 1e-9
 
@@ -94,7 +96,11 @@ def ALL(k: FloatArray) -> Mask:
 
 @dataclass(frozen=True, eq=False)
 class Sample:
-    """Values (R, n) at wavenumbers `k` (n,), whose means over the R realisations are in question."""
+    """Values (R, n) at wavenumbers `k` (n,), whose means over the R realisations are in question.
+
+    A statistic that is no mean is written as one, by the influence of each realisation (`deviation`, `direction`,
+    `ratio`), so that every comparison has a standard error, and a paired one where the seas share phases.
+    """
 
     k: FloatArray
     values: FloatArray
@@ -162,6 +168,7 @@ def random(e: Ensemble) -> Sample:
 
 
 STATISTICS: dict[str, Callable[[Ensemble], Sample]] = {"bias": bias, "random part": random}
+"""The two parts of an error that the paper shows, as samples whose means they are."""
 
 
 def missed(e: Ensemble) -> Sample:
@@ -194,7 +201,7 @@ def smaller(e: Ensemble) -> FloatArray:
 
 
 def along(e: Ensemble, angle: float) -> Sample:
-    """Component along `angle` (degrees)."""
+    """Component along `angle` (degrees). In `c0`, positive that way."""
     return Sample(e.wavenumbers, e.velocities @ [np.cos(np.radians(angle)), np.sin(np.radians(angle))])
 
 
@@ -318,6 +325,10 @@ def pooled(*tallies: Tally) -> Tally:
 class Reading:
     """One way to read a statement: what is chosen, whether it then holds, the figure, and the comparisons behind.
     `holds` None is open.
+
+    - `choices`: by name what was chosen where the words leave it open, for instance `window: hann`.
+    - `figure`: plain values for the JSON, counts of shells as `Tally.figure` has them.
+    - `tallies`: the comparisons by name, for the picture.
     """
 
     choices: Mapping[str, str]
@@ -352,6 +363,8 @@ def most(choices: Mapping[str, str], **parts: Tally) -> Iterator[Reading]:
 
 
 def either(choices: Mapping[str, str], **parts: Tally) -> Iterator[Reading]:
-    """For a statement that does not say: a reading for each."""
+    """For a statement that does not say: a reading for each. So the verdict depends on that choice if the answers
+    differ.
+    """
     yield from every({**choices, "holds at": "every shell"}, **parts)
     yield from most({**choices, "holds at": "most shells"}, **parts)

@@ -26,7 +26,10 @@ _BLOCK = 2**26  # bytes of samples, as float64, held at a time
 
 
 def _blocks(surface: Any, size: int) -> Iterator[tuple[int, slice, FloatArray]]:
-    """(axis, slice, finite float64 samples) along the axis that is slowest in the file: reads are in order."""
+    """(axis, slice, finite float64 samples) along the axis that is slowest in the file: reads are in order. A block is
+    a slice along one axis, whole along the others. It ends early at samples that are too large, since their sums would
+    be infinite.
+    """
     strides = getattr(surface, "strides", (3, 2, 1))
     axis = int(np.argmax(np.abs(strides)))
     n = surface.shape[axis]

@@ -148,7 +148,11 @@ def extract(
 def _measure(
     cube: Cube, window: str, method: str, asked: FloatArray | None, screening: bool, angle: float | None, detrend: str
 ) -> tuple[Extraction, screen.Screening | None, list[str], FloatArray]:
-    """The velocities, the screening if wanted, what to say, and the trend that was removed (zeros if none)."""
+    """The velocities, the screening if wanted, what to say, and the trend that was removed (zeros if none). In this
+    order: decide whether blocks are needed, remove the trend, transform under the window, choose wavenumbers by where
+    the tapered spectrum has signal, extract, and if asked for screen, turned or not. A cube whose samples are extreme
+    is scaled by a power of two first, which moves no velocity.
+    """
     grid, notes = cube.grid, list(cube.notes)
     in_blocks = isinstance(cube.surface, np.memmap) and 8 * cube.surface.size > IN_MEMORY
     reach = None
@@ -297,7 +301,9 @@ def _write(
     screened: screen.Screening | None,
     cube: Cube,
 ) -> None:
-    """JSON, CSV, figures, and NetCDF where xarray is there."""
+    """JSON, CSV, figures, and NetCDF where xarray is there. Columns of the CSV are those of the NetCDF file; a number
+    that is not there is an empty cell.
+    """
     from leakref.cubes.figures import extraction_figure, screening_figure
     from leakref.figures import save
 

@@ -2,7 +2,13 @@
 
 A file may come from anybody: what it claims is checked before it is believed, and a fault is a LeakrefError with the
 file's name and a remedy. What is written can be read by NumPy, MATLAB, Octave and xarray; guide protocol, section 14,
-lists the variables. Reading the bytes of each format is in `formats`; the chain is not imported here.
+lists the variables. Reading the bytes of each format is in `formats`.
+
+A cube read and measured, in the units of its file:
+
+    cube = read(Path("surface.npz"))
+    found = analyse(fourier(cube.surface, cube.grid, "hann"), [0.2, 0.3], gravity=cube.gravity)
+    print(found.velocities)
 """
 
 from __future__ import annotations
@@ -200,7 +206,9 @@ def read(
 def _cube(
     path: Path, raw: dict[str, Any], spacing: Sequence[float] | None, axes: str | None, gravity: float | None
 ) -> Cube:
-    """The checked cube from the variables of a file."""
+    """The checked cube from the variables of a file. Each refusal names the variable and what to do. What is only worth
+    saying (a conversion, a spacing that was given) is a note.
+    """
     notes: list[str] = []
     if "eta" not in raw:
         refuse(
@@ -315,7 +323,9 @@ def _units(path: Path, raw: dict[str, Any]) -> str:
 
 
 def _step(path: Path, name: str, values: npt.ArrayLike, shape: tuple[int, ...], axis: int) -> float:
-    """The spacing of a coordinate, the same float that made it where it was made as i d."""
+    """The spacing of a coordinate, the same float that made it where it was made as i d. Steps may differ by `JITTER`
+    of a spacing, as float32 coordinates do. The coordinate may begin anywhere.
+    """
     v = np.ravel(values)
     if v.size != shape[axis]:
         refuse(

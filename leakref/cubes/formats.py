@@ -160,7 +160,8 @@ def _claim(
 ) -> None:
     """Refuse what a header claims but the file cannot hold, or memory cannot (a transform needs it four times).
 
-    And what is more than `most` numbers, of 32 bytes or fewer.
+    And what is more than `most` numbers, of 32 bytes or fewer. `available` is what the file has left, in bytes, times
+    what packing can have saved; `loaded` is False for what is mapped.
     """
     count = math.prod(int(n) for n in shape)
     if most is not None and (count > most or count * itemsize > 32 * most):
@@ -289,7 +290,9 @@ _MATRIX, _COMPRESSED = 14, 15
 
 
 def _elements(path: Path, content: memoryview, order: str) -> Iterator[tuple[int, memoryview]]:
-    """Number and content of each element of a mat file, or of a variable in it. No claim may lead out of `content`."""
+    """Number and content of each element of a mat file, or of a variable in it. No claim may lead out of `content`. A
+    tag is a number for the type and a length; up to four bytes of content stand in the tag itself.
+    """
     at = 0
     while at < len(content):
         kind, length = (int(v) for v in np.frombuffer(content[at : at + 8].tobytes().ljust(8, b"\0"), f"{order}u4"))
@@ -357,7 +360,9 @@ def _read_netcdf(path: Path, stream: BinaryIO, names: Sequence[str], most: int |
 
 
 def _written(path: Path, name: str, stored: Any) -> None:
-    """Refuse a variable of which parts were never written: they would be read as whatever it is filled with."""
+    """Refuse a variable of which parts were never written: they would be read as whatever it is filled with. A file
+    that a program was killed at, or is still writing, looks whole otherwise.
+    """
     if not getattr(stored, "size", 0) or stored.is_virtual or stored.external:
         return
     whole, there = 1, int(stored.id.get_storage_size() > 0)

@@ -3,6 +3,11 @@
 A velocity that is right does not change when the cube is tapered, or when the camera is turned; one that leakage made
 does, since leakage runs along the axes of the cube and is cut by a taper (sec:NSP_and_leakage). The verdicts compare
 these velocities and say nothing of how large the true current is. Used by `leakref extract --screen`.
+
+Two spectra of one cube are all it needs:
+
+    result = screen(fourier(eta, grid, "box"), fourier(eta, grid, "hann"), wavenumbers, gravity=9.81)
+    print(result.verdicts)
 """
 
 from __future__ import annotations
@@ -39,6 +44,7 @@ __all__ = [
 ]
 
 FINE, LEAKAGE, NO_SIGNAL = "fine", "leakage", "no signal"
+"""The verdicts, as they stand in tables and in the JSON."""
 SIGNAL = 1e-2
 """A shell holds signal if its largest |S| is at least this part of that of the strongest shell ..."""
 NOISE = 2.0
@@ -94,7 +100,9 @@ class Screening:
 
 
 def _ordered(spectrum: Spectrum) -> tuple[FloatArray, FloatArray]:
-    """|k| (a, b) of the bins sorted by number, and |S| (a, b, nw) there in units of a wave's amplitude over two."""
+    """|k| (a, b) of the bins sorted by number, and |S| (a, b, nw) there in units of a wave's amplitude over two. `gain`
+    is the sum of the window over all samples, so that a wave on a bin has the same height under every window.
+    """
     order = np.ix_(np.argsort(spectrum.i), np.argsort(spectrum.j))
     gain = np.prod([window(spectrum.window).samples(n).sum() for n in spectrum.grid.shape])
     k = np.hypot(*np.meshgrid(spectrum.kx, spectrum.ky, indexing="ij"))[order]

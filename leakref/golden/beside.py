@@ -22,7 +22,9 @@ from leakref.golden.sets import Failure
 __all__ = ["MANIFEST", "SCHEMA", "home", "lint", "noted", "read", "record"]
 
 MANIFEST = "manifest.json"
+"""In the folder of all sets and in each of them."""
 SCHEMA = "leakref/golden-files/1"
+"""Of the manifest in the folder of all sets."""
 _TAKE = "`leakref golden regenerate files`"
 _AGAIN = f"put it back or, if it was made anew, {_TAKE}"
 

@@ -30,8 +30,9 @@ def digest(record: Any) -> str:
 
 
 def strict(name: str, content: bytes) -> Any:
-    """What the file `name` says; `Damaged` if it is not strict JSON. That is: not UTF-8, not JSON, a number that is
+    """What the file `name` says; `Damaged` if it is not strict JSON. That is: not text, not JSON, a number that is
     none, or a key given twice.
+
     """
     try:
         return json.loads(content, parse_constant=_no_constant, object_pairs_hook=_no_twins)

@@ -2,8 +2,8 @@
 
 Vectors are made by `records.vector_record`. A realisation is computed by route A (surface and FFT) and by route B
 (closed form), and both must agree within the conditioning. An ensemble of a hundred realisations is computed by B
-alone, since A takes hours, and inherits the digits on which both routes agreed in its certified realisations. `making`
-writes what is made here, `verifying` compares it.
+alone, since A takes many times as long, and inherits the digits on which both routes agreed in its certified
+realisations. `making` writes what is made here, `verifying` compares it.
 """
 
 from __future__ import annotations
@@ -61,7 +61,11 @@ def describe(c: Configuration) -> dict[str, Any]:
 
 
 def _one_by_one(c: Configuration, number: int) -> Iterator[Spectrum]:
-    """Route A, one window at a time and no more than the surface and one spectrum in memory."""
+    """Route A, one window at a time and no more than the surface and one spectrum in memory.
+
+    The spectrum is cropped to the bins that shells need before the next window is begun: the largest domain has 351
+    million samples.
+    """
     waves, grid = c.components(number), c.grid
     eta = synthesize(waves, *(grid.samples(axis) for axis in range(3)))
     reach = float(c.wavenumbers[-1]) + 3 * grid.wavenumber_resolution
@@ -74,7 +78,11 @@ def _one_by_one(c: Configuration, number: int) -> Iterator[Spectrum]:
 
 
 def _by_surface(c: Configuration, number: int) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Velocities and notes by route A, and the conditioning of each velocity."""
+    """Velocities and notes by route A, and the conditioning of each velocity.
+
+    Velocities (n, 2) and notes by `window_method`, under `notes` and by name, and the conditioning of each velocity, n
+    numbers. `turns` counts the radians of phase that a wave goes through over the cube, which round one by one.
+    """
     found: dict[str, Any] = {}
     conditioning: dict[str, Any] = {}
     turns = float(4 + np.log2(np.prod(c.grid.shape)) + 2 * np.pi * (3.5 * c.length * 2 + 1.9 * c.duration))
@@ -180,7 +188,9 @@ def _ensembles(
 ) -> list[dict[str, Any]]:
     """Records of the ensembles of a configuration: route B, confirmed by the realisations done by A as well.
 
-    `worse`, one for each realisation, is what `_softnesses` says of its velocities.
+    `worse`, one for each realisation, is what `_softnesses` says of its velocities. A mean is conditioned as the mean
+    of its velocities' conditioning; a standard deviation as twice their root mean square; a standard error as that over
+    the square root of the count; counts are exact.
     """
     records = []
     for e in found:
@@ -298,7 +308,9 @@ def _certify(identifier: str, work: Path | None) -> dict[str, Any]:
 
 
 def _resumed(identifier: str, work: Path | None, make: Callable[[], dict[str, Any]]) -> dict[str, Any]:
-    """A record from `work`, if an earlier run of the same source left it there, else made and left there."""
+    """A record from `work`, if an earlier run of the same source left it there, else made and left there. Kept under
+    the digest of the sources, so that a change of anything that counts makes it anew.
+    """
     if work is None:
         return make()
     about = {"id": identifier, "source": _source_digest()}

@@ -113,7 +113,9 @@ def _form_fault(outline: str, schema: str) -> str:
 
 
 def _outline(value: Any) -> Any:
-    """A record with the first items of its arrays only: the schema is about its form, the digest about every number."""
+    """A record with the first items of its arrays only: the schema is about its form, the digest about every number.
+    So the schema is asked once for each form, however many numbers there are.
+    """
     if isinstance(value, dict):
         return {key: _outline(item) for key, item in value.items()}
     return [_outline(item) for item in value[:_FORM]] if isinstance(value, list) else value

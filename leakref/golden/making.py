@@ -47,7 +47,9 @@ def _text(value: Any, indent: int = 0) -> str:
 
 
 def _split(record: dict[str, Any], file: str, archived: Sequence[str]) -> tuple[dict[str, Any], dict[str, FloatArray]]:
-    """Large inputs go to the npz beside the file."""
+    """Large inputs go to the npz beside the file. An archived input becomes a reference to an array, `{"npz": file,
+    "array": id.name}`; the arrays are returned beside.
+    """
     arrays: dict[str, FloatArray] = {}
     for name in archived:
         arrays[f"{record['id']}.{name}"] = np.asarray(record["input"][name], dtype=np.float64)
@@ -176,7 +178,9 @@ def _save(folder: Path, entries: Mapping[str, Entry], possible: Mapping[str, str
 
 
 def _difference(before: Entry | None, after: Entry, taken: bool) -> dict[str, Any]:
-    """What changed between two records of one id: largest change of a value, over its tolerance, and other keys."""
+    """What changed between two records of one id: largest change of a value, over its tolerance, and other keys.
+    Outputs of another shape, or with a number where there was none, are infinitely far apart.
+    """
     if before is None:
         return {"change": "new", "largest": None, "over_tolerance": None, "written": taken}
     largest = over = 0.0

@@ -40,7 +40,10 @@ def _values(value: FloatArray) -> Any:
 def _accuracy(
     name: str, identifier: str, golden: FloatArray, others: Mapping[str, FloatArray], conditioning: Any
 ) -> dict[str, Any]:
-    """Digits, conditioning and tolerance of one output; LeakrefError if a route is farther off than that."""
+    """Digits, conditioning and tolerance of one output; LeakrefError if a route is farther off than that. The digits
+    are those of the route that is farthest off. Where an output is all zero but for rounding its conditioning stands in
+    for its size.
+    """
     kappa = np.asarray(conditioning, dtype=np.float64)
     allowed = np.asarray([tolerance(float(c)) for c in kappa.ravel()]).reshape(kappa.shape)
     per_item = allowed.reshape(allowed.shape + (1,) * (golden.ndim - allowed.ndim if allowed.ndim else 0))

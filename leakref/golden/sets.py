@@ -5,11 +5,18 @@ language. An entry has an id, which is never reused, inputs, outputs, and for ea
 agreed on.
 
 **Tolerance.** One formula, `tolerance`: a margin of 8 times the rounding of float64, 2^-52, times the conditioning that
-the entry states: by how much, to first order and in the output's own unit, an output moves if every rounding on the
-way is one unit of 2^-52. It is computed when an entry is made (`leakref.golden.entries`), never chosen. Whole numbers
-and phases have conditioning 0: they are compared for equality.
+the entry states: by how much, to first order and in the output's own unit, an output moves if every rounding on the way
+is one unit of 2^-52. It is computed when an entry is made (`leakref.golden.entries`), never chosen. Whole numbers and
+phases have conditioning 0: they are compared for equality.
 
 NaN equals nothing. Where there is no number the golden value is null and gives its reason.
+
+An entry in its file looks like this, with lists where there are arrays:
+
+    {"id": "dispersion-scaled", "stage": "dispersion", "purpose": "...", "equation": "sec:theory", "decisions": [],
+     "supersedes": null, "input": {"wavenumber": [...], "gravity": 1.0}, "output": {"frequency": [...], ...},
+     "origin": {"values": "mpmath", "confirmed_by": ["chain"]},
+     "accuracy": {"frequency": {"digits": ..., "conditioning": ..., "tolerance": ...}, ...}}
 """
 
 from __future__ import annotations
@@ -175,6 +182,12 @@ class Golden:
     `Damaged` if one cannot be read or was changed.
 
     `folder` is set 1 as installed unless given; a path or anything that `importlib.resources` gives.
+
+    For instance, to hold a code of one's own to an entry:
+
+        entry = Golden().entry("dispersion-scaled")
+        found = {"frequency": ..., "phase_velocity": ..., "group_velocity": ...}  # from entry.input
+        print(compare(entry, found) or "agrees")
     """
 
     def __init__(self, folder: Traversable | None = None) -> None:

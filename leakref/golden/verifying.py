@@ -162,7 +162,9 @@ def _is_huge_again(entry: Entry) -> bool:
 
 
 def _without_null(entry: Entry, found: Mapping[str, Any], route: str) -> list[Failure]:
-    """Compare where there is a certified number; where the routes once differed there is nothing to hold to."""
+    """Compare where there is a certified number; where the routes once differed there is nothing to hold to. A null for
+    any other reason must still be a null.
+    """
     reasons = entry.record.get("reasons", {})
     mine = dict(found)
     for name, said in reasons.items():

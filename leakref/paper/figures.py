@@ -35,7 +35,7 @@ RESULTS = {
 @dataclass(frozen=True, eq=False)
 class Stored:
     """The statistics of an ensemble that a golden set keeps: at n `wavenumbers`, in c0. Arrays are (n,), `mean` is (n,
-    2).
+    2). It has what a picture needs, and no single velocities.
     """
 
     configuration: Configuration

@@ -87,7 +87,9 @@ def _file_name(configuration_id: str) -> str:
 
 
 def _write(out: Path, name: str, ensembles: Sequence[Ensemble]) -> None:
-    """A CSV for each window and method, and the velocities of every realisation as an npz."""
+    """A CSV for each window and method, and the velocities of every realisation as an npz. Arrays in the npz are named
+    `WINDOW_METHOD_velocities` (R, n, 2) and `..._notes` (R, n).
+    """
     for e in ensembles:
         columns = {
             "wavenumber": e.wavenumbers,
@@ -124,6 +126,7 @@ def _record(e: Ensemble) -> dict[str, Any]:
 
 
 def _draw(out: Path, ensembles: Sequence[Ensemble], realizations: int, everything: bool) -> list[Path]:
+    """Paths of all pictures; of case shear one of its own."""
     from leakref.figures import save
     from leakref.paper.figures import draw_illustrations, draw_results
 

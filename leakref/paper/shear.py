@@ -43,6 +43,7 @@ SHEAR = 0.1
 DEPTH = 0.5
 """Of the exponential profile in 1 / k0."""
 PROFILES = ("uniform", "linear", "exponential")
+"""How the current varies with depth: not at all, linearly, or as exp(z / `DEPTH`)."""
 DIRECTIONS = {90.0: "following", 0.0: "crossing", -90.0: "opposing"}
 """Of the current, in degrees; the waves go to 90."""
 BANDS = {"from the peak up": 1.0, "all": 0.0}
@@ -139,7 +140,9 @@ class Inferred:
 
 
 def _slope(wavenumbers: FloatArray, velocities: FloatArray) -> FloatArray:
-    """Least-squares slope of velocities (..., n) over the effective depths -1 / 2k, (...); none of a constant."""
+    """Least-squares slope of velocities (..., n) over the effective depths -1 / 2k, (...); none of a constant. Depths
+    are -1 / 2k, in `1 / k0`, so that a slope is in `c0 k0`.
+    """
     z = -0.5 / wavenumbers
     z = z - z.mean()
     return (velocities - velocities[..., :1]) @ z / (z @ z)

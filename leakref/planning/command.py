@@ -56,7 +56,9 @@ def _value(option: str, text: str) -> float:
 
 
 def _campaign(given: Mapping[str, str | None]) -> Campaign:
-    """From the options as typed; a rectangular area is written 128m x 96m."""
+    """From the options as typed; a rectangular area is written 128m x 96m. A current without a direction goes with the
+    waves. Raises LeakrefError as the options are read.
+    """
     values: dict[str, Any] = {
         PARAMETERS[name][0]: _value(name, text)
         for name, text in given.items()
@@ -242,7 +244,11 @@ def _write(
     values: Sequence[float],
     sweeps: Sequence[Mapping[tuple[str, str], Expected]],
 ) -> list[Path]:
-    """Everything to the folder; the pictures' paths."""
+    """Everything to the folder; the pictures' paths.
+
+    `plan.json`, `plan.csv`, the figure, and of a sweep another table and figure; the first column of that table is the
+    parameter.
+    """
     from leakref.figures import save
     from leakref.planning.figures import plan_figure, sweep_figure
 

@@ -1,7 +1,7 @@
 """Quantities with their units, as people write them: "128m", "30s", "45deg", "0.3m/s".
 
 A number without a unit is refused, since metres and peak wavelengths are easily taken for each other; any unit of the
-right kind is taken (`0.2km`, `1/2s`, `30deg`). Used by `planning.command`.
+right kind is taken (`0.2km`, `2/s`, `30deg`). Used by `planning.command`.
 """
 
 from __future__ import annotations

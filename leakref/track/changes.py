@@ -45,6 +45,7 @@ __all__ = [
 ALPHA = 0.01
 """Of all comparisons of a run together: how often some interval may miss the true change."""
 POWER = 0.9
+"""The probability with which a change of the size `smallest` would be called worse."""
 MARGIN = 0.01
 """Of the smaller velocity resolution (eq:dcdwk), in the mean over a band: a change within it is none."""
 LOST = 0.05
@@ -54,6 +55,7 @@ BANDS = ((0.4, 0.8), (0.8, 1.2), (1.2, 2.0), (2.0, 3.5))
 ANSWERS = "answers"
 """The band of the row about velocities that were declined."""
 VERDICTS = ("better", "worse", "equal", "undecided")
+"""In the order in which they are counted."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +67,8 @@ class Change:
     cannot be known is NaN, an interval then reaches from -inf to inf.
 
     - `change`: `after` less `before`, so that more is worse; `interval`: of the change.
-    - `verdict`: one of `VERDICTS`; `count`: realisations with an answer on both sides.
+    - `verdict`: one of `VERDICTS`; `count`: realisations with an answer on both sides. `case`, `window` and `method`
+      are those of the series.
     """
 
     case: str
@@ -139,7 +142,10 @@ class _Pair:
     paired: bool
 
     def moments(self) -> tuple[float, float, float, float, float, int]:
-        """Both means, the change, its standard error, degrees of freedom, and how many realisations."""
+        """Both means, the change, its standard error, degrees of freedom, and how many realisations. Paired, the
+        variance is that of the differences; unpaired, the degrees of freedom are Welch's. What rounding to `UNIT` adds
+        to a variance is included, so that equal errors have no interval of width zero.
+        """
         a, b = self.before, self.after
         if self.paired:
             both = np.isfinite(a) & np.isfinite(b)
@@ -223,7 +229,9 @@ def compare(before: Sequence[Series], after: Sequence[Series], *, margin: float 
 
 
 def _pairs(a: Series, b: Series, margin: float) -> Iterator[_Pair]:
-    """Wavenumbers, bands and the share declined."""
+    """Wavenumbers, bands and the share declined. A pair for each wavenumber, each band that has any, and the share
+    declined. In a band a shell counts only where both sides have a number, if they are paired.
+    """
     first, last = max(a.first, b.first), min(a.first + len(a.errors), b.first + len(b.errors))
     paired = last > first
     x, y = (s.errors[first - s.first : last - s.first] if paired else s.errors for s in (a, b))

@@ -111,7 +111,7 @@ def _by_lot(series: Sequence[Series], images: Sequence[Series], rng: np.random.G
 
 
 def _tally(comparisons: Sequence[Sequence[Comparison]]) -> _Tally:
-    """Of several comparisons of each configuration."""
+    """Of several comparisons of each configuration. `comparisons` has a list for each configuration."""
     alarms = [sum(bool(one.worse) for one in own) for own in comparisons]
     misses = [
         sum(any(c.interval[0] > 0 or c.interval[1] < 0 for c in one.changes) for one in own) for own in comparisons

@@ -10,6 +10,12 @@ against accidents and hand-made corrections: who computes digests anew can write
 
 `append` is the only way in, and `read` takes a file in any state: what is damaged is named and not used. Measuring and
 comparing are elsewhere (`tracking`, `changes`).
+
+A line, cut short, and without the errors:
+
+    {"schema": "leakref/history/1", "label": "v2", "target": "mine:extract", ..., "measurements": [{"case": "broad",
+     "window": "hann", "method": "nsp", "wavenumbers": [...], "unit": 1e-06, "errors": [[...], ...]}], "timings": null,
+     "after": "<digest of the line before>", "digest": "<of this line>"}
 """
 
 from __future__ import annotations
@@ -29,6 +35,7 @@ from leakref.golden.digests import digest
 __all__ = ["SCHEMA", "Damaged", "Entry", "History", "append", "read"]
 
 SCHEMA = "leakref/history/1"
+"""Of a line. A line of another schema is a fault, and is not used."""
 _FORM = {"label": str, "target": str, "after": str | None, "measurements": list, "timings": dict | None}
 _PATIENCE = 60.0  # seconds to wait for another writer
 
@@ -45,7 +52,8 @@ class Entry:
 
     The record of a line that is not JSON is empty.
 
-    `fault` is words that follow `line N`. Two entries of one digest are one: the second has a fault.
+    `fault` is words that follow `line N`. Two entries of one digest are one: the second has a fault. Only one without a
+    fault is compared or drawn.
     """
 
     line: int
@@ -197,7 +205,9 @@ def _line(record: Mapping[str, Any]) -> bytes:
 
 
 def _parsed(data: bytes) -> tuple[tuple[Entry, ...], tuple[str, ...]]:
-    """The lines, and the faults of the file."""
+    """The lines, and the faults of the file. A last line without its end is whole if its digest is; else it was cut
+    off.
+    """
     *whole, rest = data.split(b"\n")
     lines = [_entry(n, line.removesuffix(b"\r")) for n, line in enumerate(whole + [rest] * bool(rest), 1)]
     if rest and lines[-1].fault:
@@ -210,6 +220,9 @@ def _parsed(data: bytes) -> tuple[tuple[Entry, ...], tuple[str, ...]]:
 
 
 def _entry(number: int, line: bytes) -> Entry:
+    """A line as an entry, with what is wrong with it: not JSON, edited, of another schema, or without a field. A line
+    must be byte for byte what `append` would write.
+    """
     try:
         record = json.loads(line)
         if not isinstance(record, dict) or "digest" not in record:
@@ -228,6 +241,7 @@ def _entry(number: int, line: bytes) -> Entry:
 
 
 def _faults(lines: list[Entry]) -> Iterator[str]:
+    """In words, with the number of the line. An entry that is named as the one before and is nowhere was taken out."""
     stated = {line.digest for line in lines if line.digest}
     for line in lines:
         if line.fault:

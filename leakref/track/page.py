@@ -245,7 +245,7 @@ def _row(one: Version) -> dict[str, Any]:
 
 
 def _timings(shown: Sequence[Version]) -> dict[str, Any] | None:
-    """Ratios of all versions that share the last yardstick."""
+    """Ratios of all versions that share the last yardstick. None if no version has any."""
     timed = [(one.entry.label, one.entry.record["timings"]) for one in shown if one.entry.record["timings"]]
     if not timed:
         return None

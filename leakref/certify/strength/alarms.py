@@ -91,6 +91,8 @@ def false_alarms(errors: Mapping[str, Mapping[str, Any]], resamplings: int = RES
 
 
 def _rate(alarms: int, resamplings: int) -> dict[str, Any]:
-    """With its Clopper-Pearson interval at 95 %."""
+    """With its Clopper-Pearson interval at 95 %. That interval is exact for a binomial, and wide enough where there are
+    few alarms or none.
+    """
     interval = binomtest(alarms, resamplings).proportion_ci(method="exact")
     return {"alarms": alarms, "rate": alarms / resamplings, "interval": [float(interval.low), float(interval.high)]}

@@ -135,7 +135,9 @@ def _name(pair: tuple[Check, Case]) -> str:
 
 
 def _over(finding: Finding) -> float:
-    """Effect over tolerance; what broke or gave no number is beyond all measure, what was not judged is none."""
+    """Effect over tolerance; what broke or gave no number is beyond all measure, what was not judged is none. `NEVER`
+    is a finite number beyond any tolerance, so that it can be written to JSON.
+    """
     if finding.verdict in (Verdict.MISSING, Verdict.UNSUPPORTED):
         return 0.0
     if finding.over is None or not np.isfinite(finding.over):

@@ -35,7 +35,8 @@ Bins = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatAr
 class Variant:
     """`words` say what is different, `grade` is what it deserves, `make` makes one.
 
-    `grade` is `conformant` or `sound`; `make` takes no arguments and gives an object as `Implementation` has it.
+    `grade` is `conformant` or `sound`; `make` takes no arguments and gives an object as `Implementation` has it. `id`
+    is what follows `variant:` in a TARGET.
     """
 
     id: str

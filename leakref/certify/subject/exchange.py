@@ -5,6 +5,12 @@ What is promised of it is in the guide protocol, sections 7 and 10.
 It belongs to `protocol.ProcessSubject`, one for each session. A program under test may write anything here, or put
 links, pipes and huge files in the place of its output: files are opened without following links, sizes are looked at
 before contents, and nothing is trusted to be still what it was. What it should not have done is said in words.
+
+What is in the folder while a run lasts:
+
+    run-7/in.npz   or for raw   run-7/in/eta.f64, run-7/in/x.f64, ...
+    run-7/out.npz               run-7/out/S.f64
+    run-7/request.json, run-7/answer.json   (only if they are kept)
 """
 
 from __future__ import annotations

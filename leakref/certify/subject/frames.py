@@ -257,6 +257,7 @@ class Subject:
         return self._kept("window", {"name": name, "size": size}, found.astype(np.float64).ravel())
 
     def _kept(self, stage: str, asked: Mapping[str, Any], answer: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        """Written down for the diagnosis, which asks the reference with a fault the same and compares."""
         self.calls.append(Call(stage, asked, answer))
         return answer
 
@@ -275,7 +276,10 @@ def _part(answer: Mapping[str, Any], name: str) -> Any:
 
 
 def _rows(answer: Mapping[str, Any], asked: FloatArray, d: Declaration) -> tuple[FloatArray, FloatArray | None]:
-    """Velocities (m, 2) with NaN for null, and the wavenumbers they are at, None for those asked. Units as answered."""
+    """Velocities (m, 2) with NaN for null, and the wavenumbers they are at, None for those asked. Units as answered.
+    Accepted are lists and arrays, null or a masked row for what is declined; words and truth values are refused. Raises
+    Unanswered (fail) for another number of rows.
+    """
     given = _part(answer, "velocities")
     if np.ma.isMaskedArray(given):
         given = [None if np.ma.getmaskarray(row).any() else row.tolist() for row in given]
@@ -342,7 +346,9 @@ def _matched(
     length: float,
     d: Declaration,
 ) -> Velocities:
-    """For each wavenumber asked for the answer within half a bin of it; for a band the one answer there is."""
+    """For each wavenumber asked for the answer within half a bin of it; for a band the one answer there is. The bin is
+    the wider of those along x and y, since a code with wavenumbers of its own cannot know which are asked for.
+    """
     if d.band:
         values = np.repeat(values, asked.size, axis=0)
     elif at is not None:

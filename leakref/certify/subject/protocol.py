@@ -3,6 +3,14 @@
 `ProcessSubject` holds one program at a time: it starts it, asks one question after the other, and starts it again after
 a breach. Files go through `exchange`, lines through `child`. It decides only whether there is an answer in due form;
 whether it is right is for the checks. Used by `targets.connect`.
+
+A session, as lines of JSON on the program's standard input (`>`) and output (`<`):
+
+    > {"op": "start", "protocol": 1, "formats": ["mat", "npz", "raw"]}
+    < {"op": "ready", "protocol": 1, "units": "si", "format": "npz", "can": {"extract": {}}}
+    > {"op": "run", "id": 1, "stage": "extract", "input": "PATH", "output": "PATH", "parameters": {...}}
+    < {"id": 1, "status": "ok", "velocities": [[0.1, 0.0], null]}
+    > {"op": "stop"}
 """
 
 from __future__ import annotations
@@ -159,7 +167,10 @@ class ProcessSubject(Subject):
     # ------------------------------------------------------------ starting
 
     def _start(self) -> Declaration:
-        """Start the program: what it declares. Raises Breach, or LeakrefError where it refuses to start."""
+        """Start the program: what it declares. Raises Breach, or LeakrefError where it refuses to start. A worker of
+        ours says `loading` when leakref itself is imported, and its start begins to count then. A program that says
+        `failed` refuses with words of its own: a HarnessBroken if it says that it is broken, else LeakrefError.
+        """
         self._child = child = Child(self.command, self.folder, str(self._exchange.folder), self._exchange.belongings)
         if self._interrupted:  # before it was there to be ended
             child.kill()
@@ -188,7 +199,9 @@ class ProcessSubject(Subject):
             raise Breach(wrong.verdict, wrong.message) from None
 
     def _running(self) -> Child:
-        """The program, started again if it was ended."""
+        """The program, started again if it was ended. A program that declares something else after a restart is in
+        breach: findings before and after would be of two codes.
+        """
         if self._child is None:
             try:
                 declared = self._start()
@@ -204,7 +217,9 @@ class ProcessSubject(Subject):
         return self._child
 
     def _try_out(self) -> None:
-        """Ask one small question, of a 16 x 12 x 10 cube. Raises Unanswered only where there is no proper answer."""
+        """Ask one small question, of a 16 x 12 x 10 cube. Raises Unanswered only where there is no proper answer. So
+        that a program that cannot answer at all is told apart from one that answers wrongly: the first is not judged.
+        """
         grid = Grid((16, 12, 10), (0.9, 0.9 if "dy" in self.declaration.fixed else 1.1, 0.8))
         waves, _ = aligned_waves(grid, [(3, 1, 2), (1, 2, 2)])
         axes = [grid.samples(axis) for axis in range(3)]
@@ -266,7 +281,10 @@ class ProcessSubject(Subject):
             self._exchange.clear()
 
     def _asked(self, request: Mapping[str, Any]) -> dict[str, Any]:
-        """The answer to a request, of status ok. Raises Unanswered for the others, Breach if it is none."""
+        """The answer to a request, of status ok. Raises Unanswered for the others, Breach if it is none. An error that
+        may be for want of room on our disk is looked into first (`Exchange.check_space`), and is then no fault of the
+        program's.
+        """
         child = self._running()
         self._asking = True
         child.send(request)

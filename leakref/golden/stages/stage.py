@@ -3,6 +3,13 @@
 Stages are made of small functions from an input to an output, both mappings from names to plain values. This module has
 those that several stages share: how grids, waves and spectra come out of an input, and how roundings are counted
 (`relative`, `turns`). The stages themselves are in the modules beside it.
+
+A stage is its equation, the routes, the oracle and the conditioning. With one route, it reads:
+
+    Stage("eq:JONSWAP", {"chain": compute}, by_oracle, conditioning)
+
+where `compute(given)` returns `{"density": array}`, `by_oracle(given, first)` the same with 40 digits, and
+`conditioning(given, found)` one number or one for each item.
 """
 
 from __future__ import annotations

@@ -74,7 +74,9 @@ def _derivatives_by_oracle(given: Input, _: Output) -> Output:
 def _sensitivity(shell: Shell, velocity: Any, width: float) -> tuple[float, FloatArray]:
     """How N and its gradient move with F: root of the sum over bins of (dN/dF)^2; sum of the products, (2, 2).
 
-    Of N = scale sum w G F / (sum w G sum w F): derivatives by F at one bin, and those again by the velocity.
+    Of N = scale sum w G F / (sum w G sum w F): derivatives by F at one bin, and those again by the velocity. N does not
+    change if all of F is multiplied by a number, which is why a bin counts by how much G there differs from the mean of
+    G over the energy (`g - overlap / energy`).
     """
     g, slope_x, slope_y = (np.zeros_like(shell.magnitude) for _ in range(3))
     shift = shell.kx * velocity[0] + shell.ky * velocity[1]
@@ -97,7 +99,9 @@ def _sensitivity(shell: Shell, velocity: Any, width: float) -> tuple[float, Floa
 
 
 def _score_conditioning(given: Input, found: Output) -> Output:
-    """Roundings of F (see `_turns`) carried into N; its derivatives have a natural step, 4 k / a, in velocity."""
+    """Roundings of F (see `_turns`) carried into N; its derivatives have a natural step, 4 k / a, in velocity. A
+    derivative by the velocity is larger by the step, and worse conditioned by as much.
+    """
     spectrum = in_closed_form(given)
     shell, width = shell_of(spectrum, given), width_of(given)
     rounding = spectrum.strongest[0] * turns(given)
