@@ -108,7 +108,9 @@ def run(out: Path, *, json: bool = False) -> bool:
 
 
 def _certify(out: Path) -> tuple[list[dict[str, Any]], Path]:
-    """The reference certified and a planted fault caught and named, on a few of the checks; steps, and its page."""
+    """The reference certified and a planted fault caught and named, on a few of the checks, in this process; steps, and
+    the page of the faulty code.
+    """
     found = {}
     checks = select(_CHECKS, profile="quick")
     with progress_bar("checks of the reference, and of a planted fault", 2 * len(checks)) as step:
@@ -143,7 +145,8 @@ def _write_text(text: str, path: Path) -> None:
 def _measure(configuration: Configuration, wavenumbers: FloatArray) -> tuple[dict[str, Ensemble], float, float]:
     """Ensembles by window from route A, and how far route B is from it: spectra (relative) and velocities (c0).
 
-    Spectra are compared for all realisations, velocities for the first.
+    Spectra are compared for all realisations, velocities for the first. Spectra are held to 1e-13 of the largest
+    magnitude and velocities to 1e-11 `c0`, in shells without a note.
     """
     grid = configuration.grid
     found: dict[str, list[Extraction]] = {name: [] for name in configuration.windows}

@@ -70,7 +70,10 @@ def explain(identifier: str) -> Explanation:
 
     Looked for in this order: checks (`recovery.pair`, or with `[case]`), families, faults, variants, claims, decisions,
     golden values. Prefixes `fault:` and `variant:` may stand before theirs. LeakrefError is raised for anything else,
-    Damaged if the golden set is not whole.
+    Damaged if the golden set is not whole. Fields differ by kind, and are left out of the print where they are empty:
+    of a check its reason, tolerance and cases, of a fault its changes, of a claim its verdict and the variants under
+    which it turns, of a decision the reference's answer and the shifts that were measured, of a golden value what it is
+    there for.
     """
     for look in (_check, _family, _fault, _variant, _claim, _decision, _golden):
         found = look(identifier)

@@ -110,7 +110,8 @@ def result_figure(ensembles: Sequence[Result], title: str, *, logarithmic: bool 
 
     Solid and dashed grey: the velocity resolutions from frequency and from wavenumber. With a current a third row gives
     the direction of the mean velocity (fig:ConstCurr), and dashed lines the true speeds. Colour, line and marker follow
-    the first, second and third parameter that differs.
+    the first, second and third parameter that differs. `ensembles` are all of one case; more than two windows are drawn
+    in one column. With `logarithmic` both upper rows are.
     """
     windows = list(dict.fromkeys(e.window for e in ensembles))
     beside = windows if len(windows) <= 2 else [""]  # more are compared in one column (fig:DSV_win_comp_results)

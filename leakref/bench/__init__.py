@@ -2,7 +2,8 @@
 
 A time in seconds says little: so each row is also a ratio to something timed in the same run, and a share of what the
 machine could do at best (`limits`). Rows are stages of a realisation, its growth with size, and what one would use
-instead. Timings are medians, or the least where they are subtracted from each other. Nothing is judged here.
+instead. Timings are medians, or the least where they are subtracted from each other. Nothing is judged here. The first
+row, `realization`, is the literal chain over the compiled one, both without looking for other basins.
 """
 
 from __future__ import annotations

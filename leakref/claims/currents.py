@@ -157,6 +157,9 @@ def _(see: Evidence) -> Iterator[Reading]:
     "of direction (of the mean vector, or the mean over DSVs) below that untapered. Not rotated.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """The two directions along the waves are pooled; errors of direction are those of the mean vector, or of each
+    velocity.
+    """
     for (measure, size), (words, angle) in product(MEASURES.items(), _ANGLES.items()):
         sizes, angles = [], []
         for one in turn(0.0, _ALIGNED):
@@ -312,6 +315,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "significantly different; untapered and Hann.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """30 degrees is the angle of the figures, with which the others are compared."""
     for (measure, of), window in product({"mean of |c|": bias, "mean of |c - U|": missed}.items(), WINDOWS):
         pairs = [
             (of(see(one, window)), of(see(current(one.speed, one.current_direction, 30.0), window)))

@@ -31,7 +31,9 @@ def computed(*, realizations: int, judged: int, place: Path, workers: int, full:
     """The study of all variants, and the claims under those that move a velocity by more than 10 % of a resolution.
 
     With `realizations` of each configuration for the study and `judged` for the claims. `full`: every claim; else those
-    that need no other configurations than the eight. Both go on where they stopped.
+    that need no other configurations than the eight. Both go on where they stopped. Under `decisions` each has its
+    question, the reference's answer, the claims that turn and its variants with a row for each sea, window and method;
+    under `claims` what became of each claim under each variant.
     """
     parts = folder(place) / "parts"
     with runs.pool(workers) as executor:

@@ -60,6 +60,7 @@ def _over_limit(e: Ensemble, level: Sample, resolution: str, band: Band) -> Tall
     "of the shells; untapered and Hann. LS keeps bins above 0.2 of the largest P of the shell, or of sqrt P (D7).",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Both resolutions and one of them are readings of the plural."""
     levels = {"mean": STATISTICS["bias"], "1 sd": random, "2 sd": lambda e: 2 * random(e)}
     for (cut, setting), (level, of), resolution, window in product(
         _THRESHOLDS.items(), levels.items(), ("larger", "smaller"), WINDOWS
@@ -94,6 +95,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "Bias, or random part, of NSP above that of LS at k < 1, paired; untapered and Hann.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Worse in the mean, or worse in scatter."""
     for (cut, setting), (words, of), window in product(_THRESHOLDS.items(), STATISTICS.items(), WINDOWS):
         worse = of(see(_CASE, window)) - of(see(_CASE, window, "ls", setting))
         yield from either(

@@ -51,6 +51,8 @@ _PARTS = {name.replace(" ", "_"): of for name, of in STATISTICS.items()}
     "and Hann.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """The paper shows three values of gamma and speaks of a larger one: from the least to the largest, or at each step.
+    """
     for words, steps in (("1 to 7", [(1.0, 7.0)]), ("each", list(pairwise(GAMMAS)))):
         for window in WINDOWS:
             yield from every(
@@ -133,6 +135,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "k < 1, or leaving out k about 1 (k < 0.9).",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Whether k < 1 includes the neighbourhood of the peak is left open."""
     bands = {"k < 1": BELOW, "k < 0.9": lambda k: BELOW(k) & AWAY(k)}
     for (band, inside), level, resolution in product(bands.items(), LEVELS, RESOLUTIONS):
         ensembles = [see(peaked(spread, gamma), "box") for spread, gamma in product(SPREADS, GAMMAS)]

@@ -158,7 +158,8 @@ def decisions_figure(result: dict[str, Any]) -> Figure:
     """How far each variant moves the velocities, from the JSON of `leakref claims --decisions`, a panel a method.
 
     A line for each variant and window, from the median over a bar to the 95th percentile and a point at the largest
-    shift, in units of the smaller resolution; what is below 1e-8 stands at the left edge.
+    shift, in units of the smaller resolution; what is below 1e-8 stands at the left edge. Dotted is a tenth of the
+    resolution, from where on the claims are judged again.
     """
     methods = {name: record.title for name, record in METHODS.items()}
     rows = {

@@ -172,6 +172,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "shell of all of the case.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Well below is taken for below by a tenth of it, as *about* is within a tenth."""
     for (level, of), (resolution, choose) in product(LEVELS.items(), RESOLUTIONS.items()):
         ensembles = [see(domain(length, t), "hann") for length, t in product(LENGTHS, _DURATIONS)]
         yield from every(
@@ -188,6 +189,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "four times the duration; untapered and Hann.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Twice the side against twice the duration, or the same amount of data: the words leave that open."""
     for exchange, window in product(_EXCHANGES, WINDOWS):
         yield from either(
             {"compared by": exchange, "window": window}, larger_domain=_larger_helps_more(see, window, exchange)

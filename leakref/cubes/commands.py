@@ -74,7 +74,9 @@ def extract(
     `wavenumbers` are a list or a range as typed; without them every dk is taken where there is signal. `rotate` is in
     degrees and needs `screening`; `spacing` (dx,dy,dt), `axes` and `gravity` go before what the file says; `detrend` is
     one of `blocks.TRENDS`. Refused are also a cube with no signal at all, and `rotate` for one that is not held in
-    memory.
+    memory. The JSON has `wavenumbers`, `doppler_shift_velocities` (null where there is none), `flags`, both resolutions
+    and `score`, n each; what was `removed`; `verdicts` and `screen` (null if not screened); and in `notes` what was
+    done to the cube.
     """
     named_window(window)
     named_method(method, "extract")

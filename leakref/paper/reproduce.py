@@ -50,7 +50,8 @@ def run(
     are those of the paper that show no results as well.
 
     `route` is `A` or `B`; `scheduler` the address of a dask cluster, which goes before `workers`. LeakrefError is
-    raised for an unknown id and for what `runs` refuses.
+    raised for an unknown id and for what `runs` refuses. For case shear there is also a table of inferred shears, and
+    the answer in words.
     """
     chosen = _named(ids)
     folder(out)

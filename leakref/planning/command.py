@@ -113,7 +113,10 @@ def run(
     `workers` 0 takes all `cores` where that pays. Raises LeakrefError.
 
     `given` are the options by name, None where they were left out; `sweep` as `parse_sweep` takes it. A sweep uses a
-    third of the realisations for each value, but at least five, unless `realizations` says how many.
+    third of the realisations for each value, but at least five, unless `realizations` says how many. The JSON has at
+    its top what Hann and NSP give, arrays over wavelengths in m and m/s; under `campaign` what was asked for; under
+    `ways` every window and method; under `enlarged` the level as asked for, with twice the area and with twice the
+    duration; and the `recommendations` in words.
     """
     campaign = _campaign(given)
     name, values = parse_sweep(sweep) if sweep else ("", [])

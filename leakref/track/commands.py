@@ -211,7 +211,8 @@ def run_compare(first: str, second: str, path: Path, *, margin: float, json: boo
     """The exit status of `Comparison`; 3 also if one of the entries is not whole.
 
     `first` and `second` name entries as `History.entry` takes them. LeakrefError is raised for names that are none, and
-    for two of one entry.
+    for two of one entry. The JSON has both entries without their errors, `comparisons` (records of `Change`), what was
+    `unlike` or `alone`, `timings`, and `faults` of the file.
     """
     kept = history.read(path)
     _say_faults(kept)

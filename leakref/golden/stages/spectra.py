@@ -3,6 +3,12 @@
 The stages are `transform` (of a given surface), `spectrum` (of given waves, sec:NSP_and_leakage), `shell` (which bins
 belong to one, eq:g), `magnitude` (F on them, eq:maskedSpec) and `characteristic` (G, eq:DSVkernel). Outputs on a shell
 come in the order of the bin numbers (i, j), so that no order of columns is part of a golden value.
+
+- `transform`: `surface` (nx, ny, nt), `spacing`, `window`; `real` and `imag`, (nx, ny, nt), bins as `fftfreq` has them.
+- `spectrum`: five arrays of waves, `shape`, `spacing`, `window`; the same.
+- `shell`: `shape`, `spacing`, `wavenumber`, `gravity`; `i`, `j`, `intrinsic` (n,), `omega`, `weight` (nt // 2 + 1,).
+- `magnitude`: waves or a surface and a shell; `F` (n, nt // 2 + 1).
+- `characteristic`: a shell and a `velocity` (2,); `G` (n, nt // 2 + 1).
 """
 
 from __future__ import annotations

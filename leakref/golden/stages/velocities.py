@@ -4,6 +4,12 @@ The stages are `score` and `derivatives` (N of eq:normSp, its gradient and Hessi
 maximise it, or minimise eq:LS1), `extract` (the whole chain from a surface) and `statistics` (bias and random part of
 sec:parameters). The conditioning of a velocity is the hardest of all and has its own functions here, which `entries`
 uses for whole seas.
+
+- `score`: waves or a surface, a shell and `velocities` (m, 2); `N` (m,).
+- `derivatives`: likewise with one `velocity`; `N`, `gradient` (2,), `hessian` (2, 2).
+- `nsp`, `ls`: waves or a surface and `wavenumbers` (n,); `velocities` (n, 2) and notes.
+- `extract`: a surface, `spacing`, `wavenumbers`, `gravity`, `window`, `method`; the same.
+- `statistics`: `velocities` (R, n, 2); `bias`, `random`, `standard_error`, `count` (n,), `mean` (n, 2).
 """
 
 from __future__ import annotations

@@ -4,6 +4,18 @@ The stages, with the labels they are held to: `scaled-grid` (sec:parameters), `b
 (sec:theory), `resolutions` (eq:dcdwk), `doppler` (eq:SJ, in closed form and by quadrature), `scales` (sec:dimensions),
 `jonswap` (eq:JONSWAP), `spreading` (eq:angularspread), `phases` (decision D11), `components` (eq:amplitudes) and
 `surface`.
+
+What goes in and what comes out, scaled units unless a gravity is given:
+
+- `scaled-grid`: `length`, `duration`; `shape` (3,), `spacing` (3,), `bin_widths` (3,), `wavenumbers` (n,).
+- `bins`: `shape`, `spacing`; `kx` (nx,), `ky` (ny,), `omega` (nt // 2 + 1,), `nyquist` (3,), `resolution` (2,).
+- `dispersion`: `wavenumber` (n,), `gravity`; `frequency`, `phase_velocity`, `group_velocity`, (n,) each.
+- `resolutions`: those, dk and domega; `from_frequency`, `from_wavenumber`, (n,) each.
+- `doppler`: `wavenumber` (n,) and a `current` (velocity, shear, layers); `velocity` (n, 2).
+- `scales`: `peak_wavenumber`, `gravity`; a wavenumber, a frequency, a length, a time and a velocity.
+- `jonswap`, `spreading`: `frequency` or `direction` (n,) and parameters; `density` (n,).
+- `phases`: `realization`, `i`, `j` (n,); `phase` (n,). `components`: a sea; five arrays (n,).
+- `surface`: five arrays of waves and the axes `x`, `y`, `t`; `eta` (nx, ny, nt).
 """
 
 from __future__ import annotations

@@ -3,6 +3,11 @@
 The stages are `window` (samples, eq:hann), `response` (the transform of a wave between bins, by closed form and by
 plain sums), `lobes` (the continuous transform, fig:leakage_lobes) and `figures` (first zero, widths, sidelobes and
 bandwidth, app:window_comparison). Positions and widths are in bins, levels over that at the centre.
+
+- `window`: `window`, `size`; `w` (size,).
+- `response`: `window`, `bins` (b,), `positions` (p,), `size`; `real` and `imag`, (b, p).
+- `lobes`: `window`, `offsets` (n,); `lobe` (n,).
+- `figures`: `window`; eight numbers by name.
 """
 
 from __future__ import annotations
