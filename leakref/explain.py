@@ -259,7 +259,9 @@ def _decision(identifier: str) -> Explanation | None:
 
 
 def _shifts(identifier: str) -> list[str]:
-    """How far each variant of a decision moves the velocities of unnoted shells, in a few words."""
+    """How far each variant of a decision moves the velocities of unnoted shells, in a few words. Over all seas
+    together, for each method and window.
+    """
     from leakref.claims.stored import stored_decision
 
     found = stored_decision(identifier) or {}

@@ -340,6 +340,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "rotated; untapered and Hann.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """At most shells, since the words say mostly; the bias of direction is looked for near the peak only."""
     for (measure, of), (resolution, choose), window in product(MEASURES.items(), RESOLUTIONS.items(), WINDOWS):
         ensembles = [see(one, window) for one in turn(0.0)]
         crossing = [see(current(speed, _CROSSING), window) for speed in SPEEDS]

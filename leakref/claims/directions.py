@@ -158,6 +158,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "case; untapered and Hann.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """The peak alone, or a tenth about it, is what *around* may mean."""
     bands = {"0.9 to 1.1": NEAR, "1": lambda k: np.abs(k - 1) < 1e-6}
     for (level, of), window, (band, inside) in product(LEVELS.items(), WINDOWS, bands.items()):
         ensembles = [see(sea(angle, spread), window) for angle, spread in product(DIRECTIONS, SPREADS)]
@@ -302,6 +303,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "untapered and Hann.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Wider seas than the paper's table has."""
     for level, resolution, window in product(LEVELS, RESOLUTIONS, WINDOWS):
         ensembles = [see(sea(angle, spread), window) for angle, spread in product(DIRECTIONS, WIDER)]
         yield from either(

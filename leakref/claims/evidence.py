@@ -92,7 +92,10 @@ class Evidence:
         return named_window(name)
 
     def seconds(self, configuration: Configuration) -> dict[str, FloatArray]:
-        """Seconds per shell (n,) of NSP and of LS on one spectrum of this machine, see `_timed`."""
+        """Seconds per shell (n,) of NSP and of LS on one spectrum of this machine, see `_timed`.
+
+        Measured once for each configuration, whatever the executor does meanwhile: they are of this process.
+        """
         if configuration not in self._seconds:
             self._seconds[configuration] = _timed(configuration)
         return self._seconds[configuration]

@@ -51,8 +51,7 @@ _PARTS = {name.replace(" ", "_"): of for name, of in STATISTICS.items()}
     "and Hann.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
-    """The paper shows three values of gamma and speaks of a larger one: from the least to the largest, or at each step.
-    """
+    """The paper shows three values of gamma and speaks of a larger one: from the least to the largest, or by steps."""
     for words, steps in (("1 to 7", [(1.0, 7.0)]), ("each", list(pairwise(GAMMAS)))):
         for window in WINDOWS:
             yield from every(

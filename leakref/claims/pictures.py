@@ -69,6 +69,7 @@ def picture(finding: Finding) -> Figure:
 
 
 def _title(finding: Finding) -> str:
+    """Id, statement and verdict, and on which choices it depends."""
     said = f" {', '.join(finding.depends_on)}" if finding.depends_on else ""
     return f"{finding.claim.id}: {finding.claim.words} — {finding.verdict}{said}"
 

@@ -94,7 +94,10 @@ def _source_digest() -> str:
 
 
 def _about(variant: Variant, configuration: Configuration, setting: Setting, windows: Sequence[str]) -> dict[str, Any]:
-    """What velocities under a variant depend on."""
+    """What velocities under a variant depend on.
+
+    Changes by their text, so that a variant whose changes are edited is another one.
+    """
     return {
         "changes": [asdict(change) for change in (*variant.changes, *variant.fast)],
         "methods": variant.methods,

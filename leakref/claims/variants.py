@@ -37,6 +37,11 @@ class Variant:
     `realizations` are the most that are worth while.
 
     Tests hold the two altered chains to each other's velocities.
+
+    - `id`: what `leakref claims --decisions` and `leakref explain` call it; `decision`: the id of the one it goes
+      against.
+    - `methods`: those whose velocities it may change; the others are not computed.
+    - `needs`: `speed`, `rotation`, or empty.
     """
 
     id: str
@@ -79,7 +84,11 @@ def _one(module: str, old: str, new: str) -> tuple[Change, ...]:
 
 
 def _simplex(options: str) -> tuple[tuple[Change, ...], tuple[Change, ...]]:
-    """C minimised by Nelder-Mead: over the bins themselves, and as the parabola that it is."""
+    """C minimised by Nelder-Mead: over the bins themselves, and as the parabola that it is.
+
+    The second pair of changes is for the compiled chain, where C is known as a parabola about its minimum and is
+    minimised by the same search.
+    """
     scipy = "import numpy as np\nfrom scipy.optimize import minimize\n"
     rest = f'np.zeros(2), method="Nelder-Mead", options={{{options}}}).x'
     return ((Change("leastsquares", "import numpy as np\n", scipy),

@@ -211,6 +211,7 @@ def _read_npy(path: Path, stream: BinaryIO, names: Sequence[str], most: int | No
 
 
 def _size(stream: BinaryIO) -> int:
+    """Of the file that is open, whatever has become of its name."""
     return os.fstat(stream.fileno()).st_size
 
 

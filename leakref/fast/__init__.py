@@ -5,11 +5,11 @@ Those are the reference, and tests hold this against them. `spectra` makes the m
 here they come together. The result is the same to the last bit on one machine as long as the products run on one
 thread.
 
-Three things make it fast. Only the disc of bins that shells reach is ever computed, and for all windows at once. A
-score is a polynomial near any velocity, so that following a simplex costs no passes over bins. And what depends on the
-grid alone (bins, shells, tables) is made once for all realisations. What is rare (a shell at the edge of the band, a
-search that gets lost, waves in the corners of the spectrum, a method without a twin here) is handed to the reference
-itself, so that nothing has to be right twice.
+Three things make it fast. Only the disc of bins that shells and waves reach is ever computed, and for all windows at
+once. A score is a polynomial near any velocity, so that following a simplex costs no passes over bins. And what depends
+on the grid alone (bins, shells, tables) is made once for all realisations. What is rare (a shell at the edge of the
+band, a search that gets lost, waves in the corners of the spectrum, a method without a twin here) is handed to the
+reference itself, so that nothing has to be right twice.
 """
 
 from __future__ import annotations

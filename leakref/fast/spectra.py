@@ -37,8 +37,9 @@ _NODES = 34.0  # -log of the error of the interpolation along omega
 
 @dataclass(frozen=True)
 class Disc:
-    """The bins (i, j) with |k| <= `radius` in the order of x, then y: the mirror image of number q is -1 - q. Only
-    columns within the outermost shell are looked at. `radius` is in rad per length of the grid.
+    """The bins (i, j) with |k| <= `radius` in the order of x, then y: the mirror image of number q is -1 - q. `radius`,
+    in rad per length of the grid, reaches the outermost shell and all waves.
+
     """
 
     grid: Grid

@@ -146,7 +146,7 @@ class Entry:
         return {name: np.array(self._array(value), dtype=np.float64) for name, value in self.record["output"].items()}
 
     def tolerance(self, name: str) -> FloatArray:
-        """Of output `name`: one number, or one for each item of its first axis; infinite where it is null.
+        """Of output `name`: one number, or one for each item of its first axis; NaN where it is null.
 
         Its shape can be broadcast against the output: (), or (n, 1, ...) for an output whose first axis has n items.
         """
@@ -230,8 +230,8 @@ class Golden:
     def as_it_is(self, name: str, read: Callable[[str], bytes] | None = None) -> list[Entry]:
         """The same whatever the manifest says: for finding out what was changed.
 
-        `read` gives the bytes of a file by name; the default takes them unseen. `Damaged` is raised for what cannot be
-        parsed.
+        `read` gives the bytes of a file by name; the default takes them as they are. `Damaged` is raised for what
+        cannot be parsed.
         """
         read = read or self._read
         beside = name.removesuffix(".json") + ".npz"

@@ -312,7 +312,9 @@ def _show(
 
 
 def _sweep_table(name: str, values: Sequence[float], sweeps: Sequence[Mapping[tuple[str, str], Expected]]) -> Table:
-    """Bias at three wavelengths for each value, untapered and tapered, by NSP."""
+    """Bias at three wavelengths for each value, untapered and tapered, by NSP. Nearest is in the ratio of wavelengths,
+    not in their difference.
+    """
     unit = PARAMETERS[name][1]
     table = Table(
         title="Mean of |c - U| by NSP in m/s, untapered and with Hann, at wavelengths nearest to those named",

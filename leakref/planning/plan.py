@@ -56,8 +56,7 @@ class Flight(Configuration):
     `sides` of the area and `pixel` in peak wavelengths, `frame` between two images in peak periods; `length` is the
     longer side, which sets the lattice of the waves. Sides and duration are kept, samples are fitted into them.
 
-    The product of sides and duration decides the cost (`work`). It has the same waves and the same shells as a paper
-    case with this length.
+    The product of sides and duration decides the cost (`work`). It has the same waves as a paper case with this length.
     """
 
     sides: tuple[float, float] = (10.0, 10.0)

@@ -250,6 +250,7 @@ def run_compare(first: str, second: str, path: Path, *, margin: float, json: boo
 
 
 def _say_faults(kept: history.History) -> None:
+    """On standard error, whatever the action makes of them."""
     for fault in kept.faults:
         console().print(f"[red]{escape(str(kept.path))}: {escape(fault)}[/]", soft_wrap=True)
 
@@ -284,6 +285,7 @@ def _print(a: history.Entry, b: history.Entry, found: Comparison, timed: Sequenc
 
 
 def _row(c: Change) -> str:
+    """A change in a line: both means, the change with half its interval, and from where on a rise would be seen."""
     reach = (c.interval[1] - c.interval[0]) / 2
     return (
         f"  {c.band:10}  {c.before:.5f} -> {c.after:.5f}  {c.change:+.5f} ± {reach:.5f}  {c.verdict:9}  "

@@ -11,7 +11,7 @@ against accidents and hand-made corrections: who computes digests anew can write
 `append` is the only way in, and `read` takes a file in any state: what is damaged is named and not used. Measuring and
 comparing are elsewhere (`tracking`, `changes`).
 
-A line, cut short, and without the errors:
+A line, cut short:
 
     {"schema": "leakref/history/1", "label": "v2", "target": "mine:extract", ..., "measurements": [{"case": "broad",
      "window": "hann", "method": "nsp", "wavenumbers": [...], "unit": 1e-06, "errors": [[...], ...]}], "timings": null,

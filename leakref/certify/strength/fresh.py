@@ -58,7 +58,8 @@ def fresh(seed: int) -> Iterator[None]:
     Sizes change by up to three samples and lengths by up to 8 %; every pair of waves is turned with the seas, and its
     current moved by up to 0.03 c0 along each axis. The same seed is the same water.
 
-    Not for several threads: the makers are replaced for all of them. They are put back however the block is left.
+    Not for several threads: the makers are replaced for all of them. They are put back however the block is left. Pairs
+    keep their grid, on whose bins they lie.
     """
     rng = np.random.default_rng(seed)
     turn, moved = _TURNS[rng.integers(8)], rng.uniform(-0.03, 0.03, 2)

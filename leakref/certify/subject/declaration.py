@@ -33,8 +33,7 @@ class Declaration:
     - `direction`: `to` where a current is given by where it goes, `from` where by where it comes from.
     - `format`: of the arrays exchanged with a program, `npz`, `mat` or `raw`.
     - `can`: for each stage offered what of it: `methods`, `windows` and `resolves` of `extract`, `windows` of
-      `spectrum`,
-    `names` of `window`. What is left out has a default.
+      `spectrum`, `names` of `window`. What is left out has a default.
     """
 
     name: str = "unnamed"

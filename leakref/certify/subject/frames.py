@@ -105,8 +105,8 @@ class Subject:
         """Unit of length, of time, and gravity, of a scaled sea whose peak is shown at `scale` times the usual one.
 
         A code in SI is shown the sea with gravity 9.81 m/s2 and its peak at `PEAK` times `scale`, in rad/m; one in
-        scaled units with gravity 1 and its peak at `scale`. Multiply a scaled length, time or wavenumber accordingly
-        (`k / length`).
+        scaled units with gravity 1 and its peak at `scale`. Scaled lengths and times are multiplied by these units,
+        wavenumbers divided by that of length.
         """
         if self.declaration.units == "si":
             k0 = PEAK * scale

@@ -71,6 +71,7 @@ def _plain_transform(given: Input) -> Output:
 
 
 def _spectrum_conditioning(given: Input, found: Output) -> Output:
+    """Real and imaginary parts by the largest magnitude, since that is what rounds."""
     largest = float(np.hypot(found["real"], found["imag"]).max())
     return {"real": largest * turns(given), "imag": largest * turns(given)}
 
@@ -101,6 +102,7 @@ def empty_spectrum(given: Input) -> Spectrum:
 
 
 def _membership(given: Input) -> Output:
+    """Which bins a shell has, their omega0, and the weights of frequencies; no magnitudes are needed for that."""
     shell = shell_of(empty_spectrum(given), given)
     i, j, order = in_order(shell, given)
     return {
@@ -113,6 +115,7 @@ def _membership(given: Input) -> Output:
 
 
 def _membership_by_oracle(given: Input, _: Output) -> Output:
+    """From the definition, bin by bin."""
     shell, bins = oracle_shell(given, None)
     return {
         "i": [i for i, _ in bins],
@@ -145,6 +148,8 @@ def oracle_values(given: Input) -> Callable[[oracle.Bins], Any]:
 
 
 def _magnitude(spectrum: Callable[[Input], Spectrum]) -> Callable[[Input], Output]:
+    """F on the columns of the shell, in the order of their numbers."""
+
     def run(given: Input) -> Output:
         shell = shell_of(spectrum(given), given)
         return {"F": shell.magnitude[in_order(shell, given)[2]]}

@@ -58,8 +58,7 @@ class Stage:
     - `equation`: the paper's label; `routes`: by name, ways to compute the outputs that must agree.
     - `oracle`: the outputs with 40 digits; None if the first route's are kept.
     - `conditioning`: for each output one number or one for each item of its first axis, in its own unit: how far it
-      moves if
-    every rounding on the way is one unit of 2^-52.
+      moves if every rounding on the way is one unit of 2^-52.
     """
 
     equation: str

@@ -157,6 +157,7 @@ def _closed_current(given: Input) -> Current:
 
 
 def _shifts(current: Current, given: Input) -> Output:
+    """eq:SJ at the wavenumbers of the entry, (n, 2)."""
     return {"velocity": current.doppler_shift_velocity(np.array(given["wavenumber"]))}
 
 
@@ -191,12 +192,14 @@ def _spreading_conditioning(given: Input, found: Output) -> Output:
 
 
 def _phases_by_oracle(given: Input, _: Output) -> Output:
+    """By Python's integers, word by word of Philox."""
     return {
         "phase": [oracle.lattice_phase(given["realization"], i, j) for i, j in zip(given["i"], given["j"], strict=True)]
     }
 
 
 def _sea(given: Input) -> Output:
+    """The five arrays of the waves, turned about a centre if the entry says so."""
     state = SeaState(
         given["direction"], given["spread"], given["peakedness"], given["length"], _closed_current(given["current"])
     )

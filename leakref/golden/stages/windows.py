@@ -26,6 +26,7 @@ __all__ = ["STAGES"]
 
 
 def _response(given: Input) -> Output:
+    """The transform of a wave at a position between bins, as the chain has it."""
     found = window(given["window"]).response(given["bins"], given["positions"], given["size"])
     return {"real": found.real, "imag": found.imag}
 
@@ -52,6 +53,7 @@ def _response_conditioning(given: Input, _: Output) -> Output:
 
 
 def _lobes(given: Input) -> Output:
+    """The continuous transform at offsets in bins, from its closed form."""
     return {"lobe": window(given["window"]).transform(given["offsets"])}
 
 
@@ -123,6 +125,7 @@ def _figures(given: Input) -> Output:
 
 
 def _figures_by_oracle(given: Input, _: Output) -> Output:
+    """Roots and the top of the highest sidelobe by mpmath's solvers, on the closed lobe."""
     mp, mpf, name = oracle.mp, oracle.mpf, given["window"]
     gain = oracle.closed_lobe(name, mpf(0))
 
