@@ -1,4 +1,8 @@
-"""Places for what numba and matplotlib keep: their own or, where they may not write, a private one for this run."""
+"""Places for what numba and matplotlib keep: their own or, where they may not write, a private one for this run.
+
+Compiled code is kept beside the package where that can be written, as numba does by itself; only where it cannot is a
+private folder made, which is removed at the end. Imported by every module that compiles.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,8 @@
-"""What leaves the program: JSON without NaN, files that are whole or not there, one console for messages."""
+"""What leaves the program: JSON without NaN, files that are whole or not there, one console for messages.
+
+Every command prints through `dump` and `envelope` and writes through `write_whole`, so that what one reads is never
+half of something. Nothing heavy is imported before it is needed.
+"""
 
 from __future__ import annotations
 
@@ -43,12 +47,18 @@ def dump(value: Any) -> str:
 
 
 def envelope(command: str, ok: bool, **fields: Any) -> dict[str, Any]:
-    """The object that `--json` prints (guide protocol, section 14)."""
+    """The object that `--json` prints (guide protocol, section 14).
+
+    `ok` is whether it holds. `schema` names the command and the version of its format.
+    """
     return {"schema": f"leakref/{command}/1", "version": __version__, "ok": bool(ok), **fields}
 
 
 def folder(path: Path) -> Path:
-    """Make the folder `path` if need be, before the work whose results go there."""
+    """Make the folder `path` if need be, before the work whose results go there.
+
+    The path is returned. LeakrefError is raised where nothing can be written, Trouble where the disk is full.
+    """
     try:
         path.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=path):
@@ -63,7 +73,11 @@ def folder(path: Path) -> Path:
 
 
 def write_whole(path: Path, write: Callable[[Path], object]) -> Path:
-    """Have `write` make a file beside `path`, and put it there in one step: nothing is ever half written."""
+    """Have `write` make a file beside `path`, and put it there in one step: nothing is ever half written.
+
+    Folders above are made. `write` is handed a path of the same suffix in the same folder. The path is returned, and
+    LeakrefError or Trouble raised as by `folder`; what `write` itself raises is passed on, and nothing is left behind.
+    """
     path = Path(path)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)

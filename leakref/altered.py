@@ -1,8 +1,18 @@
 """The chain with lines of its source changed: variants of decisions, and faults.
 
-A change names a module, a text that occurs in it exactly once, and what stands there instead. The altered modules
-are imported under another package name, so that the chain itself, and other alterations, are not touched. The
-compiled modules can be altered likewise; what no change reaches of them is shared, since compiling takes half a minute.
+A change names a module, a text that occurs in it exactly once, and what stands there instead. The altered modules are
+imported under another package name, so that the chain itself, and other alterations, are not touched. The compiled
+modules can be altered likewise; what no change reaches of them is shared, since compiling takes half a minute.
+
+Faults (`certify.strength.faults`) and variants (`claims.variants`, `certify.strength.variants`) are such changes. They
+are made in the text and not by patching objects, because the compiled loops would not see a patch. A text that no
+longer occurs, or occurs twice, is refused before anything runs: a fault that changes nothing would pass for a weak
+suite.
+
+For instance the chain with a Hann window sampled the other way (D1):
+
+    other = altered((Change("window", "symmetric: bool = False", "symmetric: bool = True"),))
+    other.window.window("hann").samples(4)  # 0, 0.75, 0.75, 0
 """
 
 from __future__ import annotations
@@ -34,7 +44,11 @@ _PACKAGE = __name__.rpartition(".")[0]
 
 @dataclass(frozen=True)
 class Change:
-    """In `module`, `new` instead of `old`, which occurs exactly once."""
+    """In `module`, `new` instead of `old`, which occurs exactly once.
+
+    `module` is a dotted name below the package, such as `nsp` or `fast.score`. `old` may span lines, and must be text
+    of the code as it is formatted.
+    """
 
     module: str
     old: str
@@ -110,6 +124,9 @@ def altered(changes: tuple[Change, ...], *, fast: bool = False) -> Any:
 
     With `fast` also `cases`, `fast` and the compiled modules, these the package's own where no change reaches them.
     Raises LeakrefError if a change no longer fits the source, before anything runs.
+
+    The same changes give the same package, made once in a process. Exceptions and array types are shared with the chain
+    itself, so that a LeakrefError from an altered module is one.
     """
     modules = {change.module for change in changes}
     for part in modules:

@@ -1,4 +1,12 @@
-"""The paper's cases as data (tab:case_collection)."""
+"""The paper's cases as data (tab:case_collection).
+
+Each case of tab:case_collection is a tuple of configurations, one for each line of a figure. All that the paper leaves
+open about them is a decision (D9 to D13, D22, D23). The seas that only the claims need are in `claims.configurations`;
+nothing is computed here but grids and currents.
+
+An id is the case and what varies in it, as `leakref reproduce --list` prints them: `nsp-ls`,
+`gamma/spread=15,peakedness=7`, `U/rotation=30,current=0.15,current_direction=0`.
+"""
 
 from __future__ import annotations
 
@@ -36,8 +44,15 @@ _SHORT = {
 class Configuration:
     """One line of a case: a sea, a current and a domain, in scaled units; angles in degrees.
 
-    `length` L and `duration` T count wavelengths and periods; `speed` and `current_direction` are those of the
-    uniform current; `rotation` turns sea and current about the centre of the domain (decision D13).
+    `length` L and `duration` T count wavelengths and periods; `speed` and `current_direction` are those of the uniform
+    current; `rotation` turns sea and current about the centre of the domain (decision D13).
+
+    - `case`: the id of the case; `direction`: theta0, where the waves go to; `spread`: full width (eq:angularspread).
+    - `peakedness`: gamma of eq:JONSWAP; `speed`: in `c0`.
+    - `current_direction`: where the current goes to, before the rotation.
+    - `windows`: under which velocities are measured.
+
+    LeakrefError is raised for angles or speeds that are not finite, and for sizes that are not positive.
     """
 
     case: str
@@ -68,7 +83,10 @@ class Configuration:
 
     @cached_property
     def grid(self) -> Grid:
-        """The samples of sec:parameters."""
+        """The samples of sec:parameters.
+
+        28 samples a peak wavelength along x and y, 14 a peak period: spacing in `1 / k0` and `1 / omega0`.
+        """
         return Grid.scaled(self.length, self.duration)
 
     @property
@@ -83,7 +101,11 @@ class Configuration:
         return self.speed * np.array([np.cos(angle), np.sin(angle)])
 
     def components(self, realization: int) -> Components:
-        """The waves of one realisation."""
+        """The waves of one realisation.
+
+        `realization` counts from 0. Waves and phases are those of `SeaState`; a rotation turns waves, current and all,
+        about the centre, so that velocities turn by the same angle.
+        """
         angle = np.radians(self.current_direction)
         current = UniformCurrent((float(self.speed * np.cos(angle)), float(self.speed * np.sin(angle))))
         sea = SeaState(self.direction, self.spread, self.peakedness, self.length, current).components(realization)

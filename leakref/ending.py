@@ -1,4 +1,9 @@
-"""A command that is told to end does so within seconds, with all it has started, whatever it is at."""
+"""A command that is told to end does so within seconds, with all it has started, whatever it is at.
+
+`install` is called once, by the command line; a library that uses leakref keeps its own handlers. The first signal
+becomes a KeyboardInterrupt in the main thread, which unwinds as ever; if that takes longer than three seconds, because
+a library does not come back to Python, the watching thread ends workers and programs and the process itself.
+"""
 
 from __future__ import annotations
 
@@ -35,7 +40,10 @@ class _Told:
 
 
 def told() -> bool:
-    """Whether we were told to end."""
+    """Whether we were told to end.
+
+    False until a signal has come, and true from then on: whoever catches the interruption can ask.
+    """
     return _Told.by != 0
 
 
@@ -45,7 +53,10 @@ def status() -> int:
 
 
 def words() -> str:
-    """What became of the command, for people."""
+    """What became of the command, for people.
+
+    For instance `interrupted`, or `ended by SIGTERM`.
+    """
     return f"ended by {signal.Signals(_Told.by).name}" if _Told.by not in (0, signal.SIGINT) else "interrupted"
 
 
@@ -65,7 +76,9 @@ def install() -> None:
 
 
 def over() -> None:
-    """The command is through: a signal ends the process now as it ends any other. SystemExit if one came before."""
+    """The command is through: a signal ends the process now as it ends any other. SystemExit if one came before.
+    Signals that come after one that was heeded are ignored, so that the last lines are written whole.
+    """
     for number in _SIGNALS:
         if signal.getsignal(number) is _interrupt:
             signal.signal(number, signal.SIG_IGN if told() else signal.SIG_DFL)
@@ -74,6 +87,7 @@ def over() -> None:
 
 
 def _interrupt(number: int, frame: object) -> None:
+    """An interruption that comes while it is held back is counted as lost, and repeated by `_watch`."""
     _Told.by = _Told.by or number
     if not (_Told.raised or _Told.deferred):
         _Told.raised = True
@@ -90,6 +104,9 @@ def _unraisable(said: Any) -> None:
 
 
 def _watch(reader: int) -> None:
+    """The thread that `install` starts: it sleeps on the pipe until a signal is written there, repeats an interruption
+    that got lost, and after `_PATIENCE` ends everything by force.
+    """
     while os.read(reader, 1)[0] not in _SIGNALS:
         pass
     end = time.monotonic() + _PATIENCE
@@ -102,6 +119,9 @@ def _watch(reader: int) -> None:
 
 
 def _by_force() -> None:
+    """Workers first, then the last resorts, each of which may hang and is not waited for; one line, and the exit
+    status.
+    """
     for process in multiprocessing.active_children():
         process.kill()
     hurried = threading.Thread(target=_tidy, daemon=True)
@@ -114,13 +134,17 @@ def _by_force() -> None:
 
 
 def _tidy() -> None:
+    """The last resorts, each of them whatever the others did."""
     for resort in list(last_resorts):
         with suppress(Exception):  # the others are to have their turn, and there is nobody left to tell
             resort()
 
 
 class Workers(SpawnContext):
-    """The context of a pool whose processes can all be ended at once."""
+    """The context of a pool whose processes can all be ended at once.
+
+    Its processes ignore Ctrl-C, and `kill` does not wait for what they are at. Used by `runs.pool`.
+    """
 
     def __init__(self) -> None:
         super().__init__()

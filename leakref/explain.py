@@ -1,4 +1,8 @@
-"""`leakref explain ID`: a check, a fault, a variant, a claim, a decision or a golden value, in words."""
+"""`leakref explain ID`: a check, a fault, a variant, a claim, a decision or a golden value, in words.
+
+What it says is taken from the registers of checks, faults, variants, claims and decisions, and from the golden set: it
+has no texts of its own but `TERMS`. Registers are imported only when an id is looked for, so that the command is quick.
+"""
 
 from __future__ import annotations
 
@@ -47,7 +51,10 @@ TERMS = {
 
 
 def run(identifier: str | None, *, json: bool = False) -> bool:
-    """Print what `identifier` stands for, or what there is. Raises LeakrefError, naming those that come close."""
+    """Print what `identifier` stands for, or what there is. Raises LeakrefError, naming those that come close.
+
+    With `json` the explanation, or the list of ids, is one object on standard output.
+    """
     if identifier is None:
         return _list(json=json)
     found = explain(identifier)
@@ -69,7 +76,15 @@ def run(identifier: str | None, *, json: bool = False) -> bool:
 
 
 def explain(identifier: str) -> Explanation:
-    """`id`, `kind` and what there is to say, by name, of whatever is called `identifier`."""
+    """`id`, `kind` and what there is to say, by name, of whatever is called `identifier`.
+
+    Looked for in this order: checks (`recovery.pair`, or with `[case]`), families, faults, variants, claims, decisions,
+    golden values. Prefixes `fault:` and `variant:` may stand before theirs. LeakrefError is raised for anything else,
+    Damaged if the golden set is not whole. Fields differ by kind, and are left out of the print where they are empty:
+    of a check its reason, tolerance and cases, of a fault its changes, of a claim its verdict and the variants under
+    which it turns, of a decision the reference's answer and the shifts that were measured, of a golden value what it is
+    there for.
+    """
     for look in (_check, _family, _fault, _variant, _claim, _decision, _golden):
         found = look(identifier)
         if found is not None:
@@ -86,6 +101,7 @@ def explain(identifier: str) -> Explanation:
 
 
 def _text(value: Any) -> str:
+    """Lists and dictionaries in a line, for people."""
     if isinstance(value, dict):
         return ", ".join(f"{name} = {_text(item)}" for name, item in value.items())
     return ", ".join(map(_text, value)) if isinstance(value, list | tuple) else str(value)
@@ -104,6 +120,7 @@ def _list(*, json: bool) -> bool:
 
 
 def _names() -> Iterator[str]:
+    """Every id but those of golden values, of which there are too many to list."""
     from leakref.certify.checks.registry import FAMILIES
     from leakref.certify.runner import select
     from leakref.certify.strength.faults import FAULTS
@@ -117,6 +134,7 @@ def _names() -> Iterator[str]:
 
 
 def _check(identifier: str) -> Explanation | None:
+    """A check, or with `[case]` one of its findings: reason, tolerance, terms in it, and faults that it kills."""
     from leakref.certify.runner import select
 
     name, _, rest = identifier.partition("[")
@@ -168,6 +186,7 @@ def _killed_by(check: str) -> list[str]:
 
 
 def _family(identifier: str) -> Explanation | None:
+    """What a family of checks is about, and which belong to it."""
     from leakref.certify.checks.registry import FAMILIES
     from leakref.certify.runner import select
 
@@ -178,6 +197,7 @@ def _family(identifier: str) -> Explanation | None:
 
 
 def _fault(identifier: str) -> Explanation | None:
+    """What is wrong in the faulty code, and the changes that make it so."""
     from leakref.certify.strength.faults import FAULTS
 
     fault = FAULTS.get(identifier.removeprefix("fault:"))
@@ -196,6 +216,7 @@ def _fault(identifier: str) -> Explanation | None:
 
 
 def _variant(identifier: str) -> Explanation | None:
+    """What is different about a correct code, and the grade it deserves."""
     from leakref.certify.strength.variants import VARIANTS
 
     variant = VARIANTS.get(identifier.removeprefix("variant:"))
@@ -211,6 +232,7 @@ def _variant(identifier: str) -> Explanation | None:
 
 
 def _claim(identifier: str) -> Explanation | None:
+    """The statement, how it was tested, and what came of it (`golden/claims.json`)."""
     from leakref.claims import CLAIMS
     from leakref.claims.stored import stored_claim, turned
 
@@ -234,6 +256,7 @@ def _claim(identifier: str) -> Explanation | None:
 
 
 def _decision(identifier: str) -> Explanation | None:
+    """The question, the reference's answer, and how far velocities move if it is answered otherwise."""
     from leakref.decisions import DECISIONS
 
     decision = DECISIONS.get(identifier)
@@ -251,7 +274,9 @@ def _decision(identifier: str) -> Explanation | None:
 
 
 def _shifts(identifier: str) -> list[str]:
-    """How far each variant of a decision moves the velocities of unnoted shells, in a few words."""
+    """How far each variant of a decision moves the velocities of unnoted shells, in a few words. Over all seas
+    together, for each method and window.
+    """
     from leakref.claims.stored import stored_decision
 
     found = stored_decision(identifier) or {}
@@ -268,6 +293,7 @@ def _shifts(identifier: str) -> list[str]:
 
 
 def _golden(identifier: str) -> Explanation | None:
+    """What an entry is there for; None where no entry has that id."""
     from leakref.golden.sets import Golden
 
     try:

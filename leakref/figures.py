@@ -1,4 +1,8 @@
-"""Pictures: one style, colours that the colour-blind can tell apart, vector and PNG."""
+"""Pictures: one style, colours that the colour-blind can tell apart, vector and PNG.
+
+`figure` makes axes in the house style, `result_figure` draws what the paper's figures of results show, `save` writes
+PNG and SVG. No window is ever opened, and nothing depends on a display. Importing this module imports matplotlib.
+"""
 
 from __future__ import annotations
 
@@ -55,7 +59,9 @@ WINDOW_WORDS = {window.name: window.title or window.name for window in WINDOWS.v
 
 
 class Result(Protocol):
-    """Statistics of a configuration under one window and method: an Ensemble, or what a golden set keeps of one."""
+    """Statistics of a configuration under one window and method: an Ensemble, or what a golden set keeps of one. Arrays
+    are (n,), `mean` (n, 2), in `c0`.
+    """
 
     @property
     def configuration(self) -> Configuration: ...
@@ -77,7 +83,10 @@ class Result(Protocol):
 
 @styled
 def figure(rows: int, columns: int, *, width: float = 8.0, height: float = 2.7, **kwargs: Any) -> tuple[Figure, Any]:
-    """An empty figure in the house style with its axes, (rows, columns)."""
+    """An empty figure in the house style with its axes, (rows, columns).
+
+    `width` is that of the figure and `height` that of a row, in inches; further keywords are those of `subplots`.
+    """
     drawing = Figure(figsize=(width, height * rows + 0.4), layout="constrained")
     FigureCanvasAgg(drawing)
     return drawing, drawing.subplots(rows, columns, squeeze=False, **kwargs)
@@ -85,7 +94,9 @@ def figure(rows: int, columns: int, *, width: float = 8.0, height: float = 2.7, 
 
 @styled
 def save(drawing: Figure, path: Path) -> list[Path]:
-    """Write `path` as PNG and as SVG, each whole or not at all; the same figure gives the same bytes."""
+    """Write `path` as PNG and as SVG, each whole or not at all; the same figure gives the same bytes. `path` has no
+    suffix. Returned are both paths, the PNG first.
+    """
     kinds: dict[str, dict[str, Any]] = {".png": {"Software": None}, ".svg": {"Date": None}}
     return [
         write_whole(path.with_name(path.name + kind), partial(drawing.savefig, metadata=metadata, dpi=150))
@@ -99,7 +110,8 @@ def result_figure(ensembles: Sequence[Result], title: str, *, logarithmic: bool 
 
     Solid and dashed grey: the velocity resolutions from frequency and from wavenumber. With a current a third row gives
     the direction of the mean velocity (fig:ConstCurr), and dashed lines the true speeds. Colour, line and marker follow
-    the first, second and third parameter that differs.
+    the first, second and third parameter that differs. `ensembles` are all of one case; more than two windows are drawn
+    in one column. With `logarithmic` both upper rows are.
     """
     windows = list(dict.fromkeys(e.window for e in ensembles))
     beside = windows if len(windows) <= 2 else [""]  # more are compared in one column (fig:DSV_win_comp_results)

@@ -1,4 +1,9 @@
-"""Sampling: a box of samples eta[x, y, t] and the bins of its transform."""
+"""Sampling: a box of samples eta[x, y, t] and the bins of its transform.
+
+A grid has nx, ny and nt samples at spacings dx, dy (lengths) and dt (time). Its sides are n d, never (n - 1) d, so that
+a wave with a whole number of wavelengths in nx dx lies on a bin: bins are 2 pi / (nx dx) wide in kx, 2 pi / (ny dy) in
+ky and 2 pi / (nt dt) in omega. dk, the unit of shells, is the larger of the first two: nothing assumes a square.
+"""
 
 from __future__ import annotations
 

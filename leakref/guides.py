@@ -1,4 +1,8 @@
-"""`leakref guide`: short guides, which travel with the package as `guide/*.md`."""
+"""`leakref guide`: short guides, which travel with the package as `guide/*.md`.
+
+Each is Markdown with code that tests run, so that it cannot go out of date. On a terminal it is rendered, else printed
+as it is.
+"""
 
 from __future__ import annotations
 

@@ -1,6 +1,9 @@
 """The pytest plugin: judges the implementation that an option names, and shows nothing otherwise.
 
 It imports nothing but pytest. What was asked for must be run: a session in which none of it was fails.
+
+The properties are tests of their own, in `leakref.properties`, written for Hypothesis; the checks are those of `leakref
+certify`, by `parametrize_with_checks`. Without an option, and without that decorator in a test file, nothing is judged.
 """
 
 from __future__ import annotations

@@ -1,4 +1,16 @@
-"""Many realisations: over any executor, written as they come, resumed where they stopped."""
+"""Many realisations: over any executor, written as they come, resumed where they stopped.
+
+A run is a list of configurations and a number of realisations. Each realisation is a task by itself, whose result does
+not depend on where or when it is computed: so tasks can be spread over processes or a cluster, kept one by one, and
+taken from where an earlier run left them. `reproduce`, `claims`, `plan`, `track` and `golden` all compute through
+`run`. What a realisation is is in `ensemble`; files are `kept`'s.
+
+For instance ten realisations of one case, by two processes:
+
+    with pool(2) as executor:
+        for ensembles in run(configurations(["nsp-ls"]), realizations=10, executor=executor):
+            print([(e.window, e.method, e.bias) for e in ensembles])
+"""
 
 from __future__ import annotations
 
@@ -34,13 +46,21 @@ Part = tuple[FloatArray, IntArray]
 
 @cache
 def source_digest() -> str:
-    """SHA-256 of the source of everything between a sea and its velocities, and of the libraries' versions."""
+    """SHA-256 of the source of everything between a sea and its velocities, and of the libraries' versions.
+
+    It is part of what every kept result is of, so that nothing computed by other sources or libraries is ever taken for
+    it. Whole files count, comments and docstrings too.
+    """
     return sources.digest(__name__)
 
 
 @dataclass(frozen=True)
 class Task:
-    """One realisation of a configuration: everything a worker anywhere needs to know."""
+    """One realisation of a configuration: everything a worker anywhere needs to know.
+
+    - `realization`: counted from 0; `methods`: ids of `leakref.methods`.
+    - `route`: `A` through the surface and the FFT, `B` in closed form.
+    """
 
     configuration: Configuration
     realization: int
@@ -49,7 +69,7 @@ class Task:
 
     @property
     def about(self) -> dict[str, Any]:
-        """What its result depends on."""
+        """What its result depends on. It is a dictionary of plain values, the key of `kept`."""
         return {**asdict(self), "source": source_digest()}
 
     @property
@@ -58,7 +78,9 @@ class Task:
         return len(self.configuration.windows), len(self.methods), self.configuration.wavenumbers.size
 
     def path(self, folder: Path) -> Path:
-        """Where its result is kept: another configuration, setting or source is another file."""
+        """Where its result is kept: another configuration, setting or source is another file. All realisations of one
+        configuration and setting share a folder.
+        """
         return folder / kept.key({**self.about, "realization": None}) / f"{self.realization:05d}.npz"
 
 
@@ -68,12 +90,17 @@ def _threads() -> ThreadpoolController:
 
 
 def one_thread() -> AbstractContextManager[object]:
-    """Within it BLAS has one thread: how a product is split among several changes its last bits."""
+    """Within it BLAS has one thread: how a product is split among several changes its last bits. With it every result
+    is the same to the last bit on one machine, however many workers there are.
+    """
     return _threads().limit(limits=1)
 
 
 def compute(task: Task) -> Part:
-    """Velocities and notes of a task, the same bits everywhere."""
+    """Velocities and notes of a task, the same bits everywhere.
+
+    Velocities are in `c0`; notes are the integers of `shell.Note`. This is what a worker runs.
+    """
     with one_thread():
         found = ensemble.realize(task.configuration, task.realization, methods=task.methods, route=task.route)
     return _stacked(list(found.values()), len(task.methods))
@@ -119,7 +146,11 @@ def _end_with_parent() -> None:
 
 @contextmanager
 def pool(workers: int) -> Iterator[Executor | None]:
-    """An executor of `workers` processes, or None for one: this process. Whatever ends it early ends them at once."""
+    """An executor of `workers` processes, or None for one: this process. Whatever ends it early ends them at once.
+
+    An interruption kills the workers instead of waiting for what they are at. A worker that dies is a Trouble, with the
+    advice to use fewer; LeakrefError is raised for fewer than one.
+    """
     if workers < 1:
         raise LeakrefError("pool", f"{workers} workers", "ask for at least one")
     if workers == 1:
@@ -157,7 +188,11 @@ def _hushed(*packages: str) -> Iterator[None]:
 
 @contextmanager
 def connected(address: str) -> Iterator[Executor]:
-    """The executor of an existing dask.distributed cluster (extra `distributed`)."""
+    """The executor of an existing dask.distributed cluster (extra `distributed`).
+
+    `address` is that of its scheduler, such as `tcp://host:8786`. LeakrefError is raised if the library is missing or
+    no scheduler answers within 10 s, Trouble if scheduler or workers go away while it runs.
+    """
     try:
         from distributed import Client, KilledWorker
         from distributed.comm import CommClosedError
@@ -194,9 +229,13 @@ def run(
 ) -> Iterator[list[Ensemble]]:
     """Realisations 0 ... `realizations` - 1 of each configuration: its ensembles, a list for each in order.
 
-    Realisations are tasks for `executor` (default: this process). With a `folder`, each result is written there
-    as it comes, and one that is already there, whole and of the same source, is not computed again. Results do
-    not depend on the executor, the number of its workers or the order of completion. Raises LeakrefError.
+    Realisations are tasks for `executor` (default: this process). With a `folder`, each result is written there as it
+    comes, and one that is already there, whole and of the same source, is not computed again. Results do not depend on
+    the executor, the number of its workers or the order of completion. Raises LeakrefError.
+
+    An ensemble for each window and method of a configuration, windows first. `after_each` is called for every
+    realisation, kept ones as well. A list is yielded as soon as its configuration is complete, and its parts are then
+    let go. A kept part that is damaged is computed again.
     """
     if realizations < 1:
         raise LeakrefError("run", f"{realizations} realisations", "ask for at least one")

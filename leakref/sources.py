@@ -3,6 +3,13 @@
 Imports are read and not run, those inside functions too; those for type checkers alone are left out. `from package
 import name` counts for the module of that name or, if there is none, for the `__init__` that has the name; importing a
 submodule does not count for the `__init__` above it, which has no way into what the submodule computes.
+
+Digests of kept results and of histories come from `digest`, so that a change in a module that has nothing to do with a
+number does not throw the number away. `reach` goes further, by definitions, and decides which compiled modules an
+alteration must compile again.
+
+A digest is of whole files, so that a docstring that changes makes kept results be computed again: that is the price of
+never having to ask what a change meant.
 """
 
 from __future__ import annotations
@@ -64,7 +71,11 @@ class _Imports(ast.NodeVisitor):
 
 @cache
 def imports(text: str) -> tuple[dict[str, Pair], dict[str, Pair], frozenset[Pair]]:
-    """Of a source: imported names and what they are, the same of type checkers' imports, and all that is imported."""
+    """Of a source: imported names and what they are, the same of type checkers' imports, and all that is imported.
+
+    The last is a set of pairs of module and name, the others are by the name under which something is known there.
+    Parsed once for each text.
+    """
     found = _Imports()
     found.visit(ast.parse(text))
     return dict(found.run), dict(found.typed), frozenset(pair for _, pair in found.run)
@@ -79,7 +90,9 @@ def _file(module: str, root: Path) -> Path | None:
 
 
 def _home(pair: Pair, root: Path) -> Iterator[Pair]:
-    """The modules of the package that an import counts for, each with the name asked of it."""
+    """The modules of the package that an import counts for, each with the name asked of it. A name that a package loads
+    on first use (`__getattr__`) is looked up among the imports of its type checkers.
+    """
     module, name = pair
     path = _file(module, root)
     if name == "*":
@@ -96,7 +109,10 @@ def _home(pair: Pair, root: Path) -> Iterator[Pair]:
 
 
 def closure(*entries: str, root: Path = _ROOT) -> dict[str, Path]:
-    """The modules that `entries` import, and those import, with their files; the package lies in folder `root`."""
+    """The modules that `entries` import, and those import, with their files; the package lies in folder `root`.
+
+    Sorted by name. Raises ModuleNotFoundError for an entry that has no source there; imports from outside are left out.
+    """
     found: dict[str, Path] = {}
     waiting, seen = list(entries), set[Pair]()
     while waiting:
@@ -117,7 +133,10 @@ def closure(*entries: str, root: Path = _ROOT) -> dict[str, Path]:
 
 
 def digest(*entries: str, root: Path = _ROOT, more: bytes = b"") -> str:
-    """SHA-256 of the sources of `closure`, of the versions of `LIBRARIES`, and of `more`."""
+    """SHA-256 of the sources of `closure`, of the versions of `LIBRARIES`, and of `more`.
+
+    `entries` are dotted names. The hexadecimal text is returned. Whole files count, their comments too.
+    """
     parts = [
         part for module, path in closure(*entries, root=root).items() for part in (module.encode(), path.read_bytes())
     ]
@@ -162,6 +181,8 @@ def reach(module: str, root: Path = _ROOT) -> set[str]:
     """The modules whose definitions the code of `module` uses, or those use in turn: a part of its `closure`.
 
     Finer than imports: a module that is imported for one constant does not bring all that it imports itself.
+
+    Names are followed from definition to definition; annotations do not count, since they are never evaluated.
     """
     seen: set[Pair] = set()
     waiting: list[Pair] = [(module, "")]

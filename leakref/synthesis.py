@@ -1,4 +1,8 @@
-"""From waves to a surface, as matrix products."""
+"""From waves to a surface, as matrix products.
+
+eta(x, y, t) = sum over waves of a cos(kx x + ky y - omega t + phase) has one term for each wave and sample, far too
+many to form. On a lattice of waves the sum over ky is one product of matrices for each kx, and that over kx another.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,10 @@
-"""Tapers and their transforms: what leakage looks like along one axis."""
+"""Tapers and their transforms: what leakage looks like along one axis.
+
+A window is a sum of cosines over the duration T, w(t) = a_0 - a_1 cos(2 pi t / T) + a_2 cos(4 pi t / T) - ... (eq:hann,
+equation 6, for Hann's with a = 1/2, 1/2), or Kaiser-Bessel's. What it makes of a wave along one axis is its discrete
+transform, W(v, n) = sum over s < n of w(s / n) exp(-2 pi i s v / n), at v bins from the wave: for the box the Dirichlet
+kernel, for a sum of cosines a stencil over shifted ones. Everything that leaks is made of this one function.
+"""
 
 from __future__ import annotations
 

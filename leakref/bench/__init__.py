@@ -1,4 +1,10 @@
-"""`leakref bench`: what each stage costs, as ratios within one run and as shares of what the machine could do."""
+"""`leakref bench`: what each stage costs, as ratios within one run and as shares of what the machine could do.
+
+A time in seconds says little: so each row is also a ratio to something timed in the same run, and a share of what the
+machine could do at best (`limits`). Rows are stages of a realisation, its growth with size, and what one would use
+instead. Timings are medians, or the least where they are subtracted from each other. Nothing is judged here. The first
+row, `realization`, is the literal chain over the compiled one, both without looking for other basins.
+"""
 
 from __future__ import annotations
 
@@ -45,8 +51,11 @@ _WINDOWS = ("box", "hann")
 class Row:
     """`seconds` of what `name` says; `against` says what took `ratio` times as long, in the same run.
 
-    `share` is the part of the machine's limit that was reached, `limit` which one. Of memory, what must be read
-    at least counts: a stage with a small share computes on what it has read.
+    `share` is the part of the machine's limit that was reached, `limit` which one. Of memory, what must be read at
+    least counts: a stage with a small share computes on what it has read.
+
+    `ratio` is None, and `against` empty, where there is nothing to compare with; `share` is above 0, and near 1 where
+    the stage does nothing but what the limit counts.
     """
 
     name: str
@@ -58,13 +67,18 @@ class Row:
 
 
 def literal(configuration: Configuration, realization: int) -> dict[tuple[str, str], Extraction]:
-    """One realisation by the plain chain: route A, the whole Nyquist range, SciPy's Nelder-Mead, all threads."""
+    """One realisation by the plain chain: route A, the whole Nyquist range, SciPy's Nelder-Mead, all threads. This is
+    what the compiled chain is held against; other basins are not looked for.
+    """
     k = configuration.wavenumbers
     spectra = chain.transform(configuration.components(realization), configuration.grid, configuration.windows)
     return {(s.window, method): chain.analyse(s, k, method=method, search=False) for s in spectra for method in METHODS}
 
 
 def _stages(configuration: Configuration, machine: Machine) -> list[Row]:
+    """Parts of a fast realisation cannot be timed apart; they are differences of runs with and without them, of least
+    times.
+    """
     grid, waves, k = configuration.grid, configuration.components(0), configuration.wavenumbers
     axes = [grid.samples(axis) for axis in range(3)]
     surface = synthesize(waves, *axes)
@@ -137,6 +151,7 @@ def _stages(configuration: Configuration, machine: Machine) -> list[Row]:
 
 
 def _reach(configuration: Configuration) -> float:
+    """The largest wavenumber that the shells need, and a bin more."""
     return float(configuration.wavenumbers[-1] + (HALF_WIDTH + 1) * configuration.grid.wavenumber_resolution)
 
 
@@ -151,6 +166,7 @@ def _share(
 def _fast(
     configuration: Configuration, repeats: int = 5, pick: Callable[[list[float]], float] = median, **settings: Any
 ) -> float:
+    """Seconds of the compiled realisation on one thread, with the settings given."""
     waves = configuration.components(0)
     grid, k = configuration.grid, configuration.wavenumbers
     with runs.one_thread():
@@ -158,7 +174,9 @@ def _fast(
 
 
 def _realization(configuration: Configuration, machine: Machine) -> Row:
-    """The row others read: literal over fast, both without the search for other basins; the fast one on one thread."""
+    """The row others read: literal over fast, both without the search for other basins; the fast one on one thread.
+    Both give the same velocities, which tests hold to 1e-11 `c0`.
+    """
     quick = _fast(configuration, 31, search=False)
     slow = seconds(lambda: literal(configuration, 0), 1)
     return Row(
@@ -167,7 +185,9 @@ def _realization(configuration: Configuration, machine: Machine) -> Row:
 
 
 def _growth(base: Configuration, machine: Machine) -> list[Row]:
-    """Cost against L, T, realisations and workers, each with the exponent of a power law through the ends."""
+    """Cost against L, T, realisations and workers, each with the exponent of a power law through the ends. Exponents
+    are those of a line through logarithms of all sizes.
+    """
     rows = []
     for name, values in (("length", (5.0, 10.0, 20.0)), ("duration", (10.0, 20.0, 80.0))):
         grown: list[dict[str, Any]] = [{name: value} for value in values]
@@ -206,6 +226,7 @@ def _growth(base: Configuration, machine: Machine) -> list[Row]:
 
 
 def _run(configuration: Configuration, count: int) -> None:
+    """Small realisations, one after the other in this process."""
     list(runs.run([configuration], realizations=count))
 
 
@@ -219,7 +240,9 @@ def _direct(waves: Components, x: np.ndarray, y: np.ndarray, t: np.ndarray) -> n
 
 
 def _alternatives(configuration: Configuration, machine: Machine) -> list[Row]:
-    """Against what a user would pick instead: direct sums, and non-uniform FFTs where they are installed."""
+    """Against what a user would pick instead: direct sums, and non-uniform FFTs where they are installed. Direct sums
+    are timed on a small surface, since they would take far too long on the paper's.
+    """
     small = replace(configuration, length=2.0, duration=4.0)
     waves, axes = small.components(0), [small.grid.samples(axis) for axis in range(3)]
     ours = seconds(lambda: synthesize(waves, *axes))
@@ -266,6 +289,7 @@ def _alternatives(configuration: Configuration, machine: Machine) -> list[Row]:
 
 
 def _finufft(library: Any, waves: Components, grid: Any, times: np.ndarray) -> None:
+    """The same surface by a non-uniform FFT for each frame."""
     kx, ky = waves.kx * grid.spacing[0], waves.ky * grid.spacing[1]
     for t in times:
         strength = waves.amplitude * np.exp(1j * (waves.phase - waves.omega * t))
@@ -273,6 +297,7 @@ def _finufft(library: Any, waves: Components, grid: Any, times: np.ndarray) -> N
 
 
 def _ducc(library: Any, waves: Components, grid: Any, times: np.ndarray) -> None:
+    """Likewise, by another library."""
     position = np.stack([waves.kx * grid.spacing[0], waves.ky * grid.spacing[1]], axis=1)
     for t in times:
         strength = waves.amplitude * np.exp(1j * (waves.phase - waves.omega * t))
@@ -288,7 +313,7 @@ def _ducc(library: Any, waves: Components, grid: Any, times: np.ndarray) -> None
 
 
 def measure(after_each: Callable[[], object] = lambda: None) -> list[Row]:
-    """Every row; calls `after_each` five times on the way."""
+    """Every row; calls `after_each` five times on the way. It takes minutes and should have the machine for itself."""
     configuration = configurations(["nsp-ls"])[0]
     machine = Machine.measured()
     rows = []
@@ -304,7 +329,7 @@ def measure(after_each: Callable[[], object] = lambda: None) -> list[Row]:
 
 
 def run(out: Path, *, json: bool = False) -> bool:
-    """Measure, print and draw; returns True."""
+    """Measure, print and draw; returns True. Written are `bench.json` and a picture, in `out`."""
     folder(out)
     with progress_bar("stages, growth, alternatives", 4) as step:
         rows = measure(step)
@@ -337,6 +362,7 @@ def run(out: Path, *, json: bool = False) -> bool:
 
 
 def _draw(rows: list[Row], out: Path) -> list[Path]:
+    """Both times of every row that has a ratio, on a logarithmic axis."""
     from leakref.figures import COLOURS, figure, save
 
     shown = [row for row in rows if row.ratio][::-1]

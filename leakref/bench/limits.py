@@ -1,4 +1,8 @@
-"""What this machine could do at best, and what each stage asks of it: the yardstick of `leakref bench`."""
+"""What this machine could do at best, and what each stage asks of it: the yardstick of `leakref bench`.
+
+Three limits are measured: a large matrix product on all threads and on one, and copying memory. For each stage the
+multiply-adds or the bytes that it cannot do without are counted from its sizes, by the same code that arranges them.
+"""
 
 from __future__ import annotations
 
@@ -30,10 +34,13 @@ __all__ = [
 ]
 
 MATRIX, MATRIX_ONE, MEMORY = "matrix product", "matrix product, one thread", "memory"
+"""The limits, as they are named in a row."""
 
 
 def seconds(work: Callable[[], object], repeats: int = 3, pick: Callable[[list[float]], float] = median) -> float:
-    """Median time of `work` (or what `pick` makes of the times), after one run that is not counted."""
+    """Median time of `work` (or what `pick` makes of the times), after one run that is not counted. Compilation and
+    first touches of memory are in the run that is not counted.
+    """
     times = []
     for _ in range(repeats + 1):
         start = perf_counter()
@@ -44,7 +51,9 @@ def seconds(work: Callable[[], object], repeats: int = 3, pick: Callable[[list[f
 
 @dataclass(frozen=True)
 class Machine:
-    """Real multiply-adds a second in a large matrix product, on all threads and on one, and bytes moved a second."""
+    """Real multiply-adds a second in a large matrix product, on all threads and on one, and bytes moved a second. Keys
+    are `MATRIX`, `MATRIX_ONE` and `MEMORY`.
+    """
 
     rates: dict[str, float]
 
@@ -76,7 +85,9 @@ def _lattice(waves: Components) -> tuple[int, int]:
 
 
 def synthesis_products(waves: Components, shape: tuple[int, int, int]) -> float:
-    """Real multiply-adds in the matrix products of `synthesize`: complex along y, real along x."""
+    """Real multiply-adds in the matrix products of `synthesize`: complex along y, real along x. Waves that are no
+    lattice count as a single row of it.
+    """
     rows, columns = _lattice(waves)
     nx, ny, nt = shape
     return float(4 * rows * ny * columns * nt + 2 * nx * rows * ny * nt)
@@ -88,7 +99,9 @@ def fft_traffic(shape: tuple[int, int, int]) -> float:
 
 
 def closed_form_products(waves: Components, grid: Grid, reach: float, windows: int) -> float:
-    """Real multiply-adds of `leakage.spectrum`: for each frequency two products of three complex matrices."""
+    """Real multiply-adds of `leakage.spectrum`: for each frequency two products of three complex matrices. `reach` is
+    the largest wavenumber kept; the cheaper order of the two products is taken.
+    """
     rows, columns = _lattice(waves)
     i, j = (int(np.sum(np.abs(grid.bins(axis)) <= reach / grid.bin_widths[axis] + 1e-9)) for axis in (0, 1))
     left_first = i <= j
@@ -113,7 +126,9 @@ def fast_products(waves: Components, grid: Grid, reach: float, stencil: int = 1)
 
 
 def magnitudes_traffic(grid: Grid, wavenumbers: np.ndarray) -> float:
-    """Bytes an extraction must read at least: the magnitudes of each shell, once."""
+    """Bytes an extraction must read at least: the magnitudes of each shell, once. `wavenumbers` are those of the
+    shells, which overlap: a bin counts for each.
+    """
     dk = grid.wavenumber_resolution
     k = np.hypot(*np.meshgrid(*(grid.bins(axis) * grid.bin_widths[axis] for axis in (0, 1)), indexing="ij"))
     bins = sum(int(np.sum(np.abs(k - k_i) <= HALF_WIDTH * dk)) for k_i in wavenumbers)

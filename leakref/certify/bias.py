@@ -2,6 +2,11 @@
 
 The seas are those of the paper at a coarser sampling, and three harder ones; each realisation is shown at two scales,
 and to the reference as well, so that the two are compared in pairs.
+
+Checks of leakage say whether a code is worse than the reference allows; this says how large its errors are. It is run
+in the full profile only, and nothing it finds changes a grade. The error is `|c - U|`, the distance between the
+velocity found and the Doppler-shift velocity that was put in (eq:SnJ), in units of the phase speed `c0` at the spectral
+peak.
 """
 
 from __future__ import annotations
@@ -33,7 +38,16 @@ _CONFIDENCE = 0.95
 
 @dataclass(frozen=True)
 class Sea:
-    """A sea to be biased by: what it is in `words`, its waves, its current and its grid."""
+    """A sea to be biased by: what it is in `words`, its waves, its current and its grid.
+
+    - `name`: a short word, the key in `SEAS`; `words`: what stands in the certificate.
+    - `direction`: where the waves go to, degrees from the x axis; `spread`: full width of the spreading
+      (eq:angularspread), degrees.
+    - `peakedness`: gamma of eq:JONSWAP.
+    - `current`: in units of `c0`; None is still water.
+    - `grid`: samples along x, y, t and their spacing, in `1 / k0` and `1 / omega0`.
+    - `wavenumbers`: at which velocities are asked for, in units of `k0`.
+    """
 
     name: str
     words: str
@@ -45,7 +59,11 @@ class Sea:
     wavenumbers: tuple[float, ...] = (0.8, 1.0, 1.2, 1.5, 1.8, 2.2, 2.6, 3.0)
 
     def cube(self, realization: int) -> Cube:
-        """One realisation."""
+        """One realisation.
+
+        `realization` is counted from 0. Its phases are those of realisation 200 and up, which no check uses, so that a
+        code tuned to the checks gains nothing here.
+        """
         return inputs.sea(
             self.direction,
             self.spread,
@@ -97,6 +115,14 @@ class Bias:
 
     `ratio` is mean error over mean error of the reference, over all wavenumbers, and `interval` where it is with a
     confidence of 95 %, both from pairs of one realisation. NaN where there is no answer. All in c0.
+
+    - `sea`, `scale`, `method`: of what; `scale` is the peak wavenumber in units of the usual one.
+    - `wavenumbers` (n,): in units of `k0`.
+    - `bias`, `random` (n,): mean and standard deviation over the realisations, of the code under test.
+    - `reference_bias`, `reference_random` (n,): of the reference chain with Hann and NSP, on the same seas.
+    - `resolutions` (2, n): the smaller and the larger of the two of eq:dcdwk.
+    - `ratio`, `interval`: see above; the interval is by the delta method for a ratio of means, cut at zero.
+    - `realizations`: how many were answered.
     """
 
     sea: Sea
@@ -122,14 +148,17 @@ class Bias:
 
     @property
     def words(self) -> str:
-        """In a sentence."""
+        """In a sentence.
+
+        For instance `sub-resolution from k = 1.2; errors are 1.04 (0.98 to 1.10) times the reference's`.
+        """
         k = self.sub_resolution_from
         where = "at no wavenumber" if k is None else f"from k = {k:g}"
         low, high = self.interval
         return f"sub-resolution {where}; errors are {self.ratio:.2f} ({low:.2f} to {high:.2f}) times the reference's"
 
     def record(self) -> dict[str, Any]:
-        """As in the JSON of `leakref certify`."""
+        """As in the JSON of `leakref certify`. Arrays stay arrays, and `resolutions` is reduced to the smaller one."""
         return {
             "sea": self.sea.name,
             "about": self.sea.words,
@@ -161,6 +190,10 @@ def bias(
 
     A realisation that it does not answer is left out; a sea in which it answers fewer than two is left out. Calls
     `after_each` for every cube.
+
+    The window is the taper that the checks of leakage use for this code (`criteria.tapered`), or its first window if it
+    offers none of that kind; the method is the first it declares. Every realisation is shown at all `scales`. Returned
+    is one `Bias` for each sea and scale, in that order. That a code does not answer is never raised.
     """
     method, found = subject.declaration.methods[0], []
     try:
@@ -180,7 +213,9 @@ def bias(
 
 
 def _errors(subject: Subject, cube: Cube, window: str, method: str, scale: float) -> FloatArray | None:
-    """|c - U| of the implementation and of the reference, (2, n); None without an answer."""
+    """|c - U| of the implementation and of the reference, (2, n); None without an answer. The reference is shown the
+    same cube, always with Hann and NSP.
+    """
     try:
         answer = subject.extract(
             cube.surface, cube.spacing, cube.wavenumbers, window=window, method=method, scale=scale
@@ -192,7 +227,10 @@ def _errors(subject: Subject, cube: Cube, window: str, method: str, scale: float
 
 
 def _summed(sea: Sea, scale: float, method: str, errors: FloatArray) -> Bias:
-    """`errors` (R, 2, n)."""
+    """`errors` (R, 2, n). Mean and deviation are over all answers at a wavenumber; the ratio is over those realisations
+    in which both codes have an answer somewhere, each reduced to its mean over the wavenumbers, so that its error
+    counts realisations.
+    """
     with np.errstate(invalid="ignore"):
         count = np.isfinite(errors).sum(axis=0)
         mean = np.where(count > 0, np.nansum(errors, axis=0) / np.maximum(count, 1), np.nan)
@@ -222,7 +260,11 @@ def _summed(sea: Sea, scale: float, method: str, errors: FloatArray) -> Bias:
 
 
 def figure(found: Sequence[Bias]) -> bytes:
-    """A PNG: error against wavenumber in every sea, beside the reference and the resolutions."""
+    """A PNG: error against wavenumber in every sea, beside the reference and the resolutions.
+
+    There is a panel for each sea, with wavenumbers in `k0` and errors in `c0`; error bars are the random part, and grey
+    is what lies below the smaller resolution. The bytes are those of a PNG file.
+    """
     from io import BytesIO
 
     from leakref.figures import COLOURS

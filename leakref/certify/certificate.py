@@ -1,4 +1,10 @@
-"""The certificate: what all findings together say of an implementation, as a grade, an exit status and files."""
+"""The certificate: what all findings together say of an implementation, as a grade, an exit status and files.
+
+A certificate is made once, by `runner.certify`, and never changed: diagnosis and bias make a new one by
+`dataclasses.replace`. Grade, exit status and the list of what is wrong are computed from the findings whenever they are
+asked for, so that they cannot disagree with them. The module also reads the list of known failures, and writes the
+certificate as JSON and as JUnit XML; the page and the badge are in `report`. It runs no check.
+"""
 
 from __future__ import annotations
 
@@ -21,11 +27,21 @@ from leakref.certify.verdict import WRONG, Finding, Verdict
 __all__ = ["CONFORMANT", "REJECTED", "SOUND", "Certificate", "Known", "junit", "read_known", "schema"]
 
 CONFORMANT, SOUND, REJECTED = "conformant", "sound", "rejected"  # grades
+"""The grades, as they stand in the JSON and on the page; a certificate by which nothing could be judged has none."""
 
 
 @dataclass(frozen=True)
 class Known:
-    """A failure that is known: why it is accepted for now, and where it is being dealt with."""
+    """A failure that is known: why it is accepted for now, and where it is being dealt with.
+
+    - `id`: of the finding, `family.check[case]`.
+    - `reason`: in words, never empty.
+    - `issue`: where it is tracked, an address or a number; from a file never empty, from `parametrize_with_checks`
+      maybe.
+
+    A failure that is listed here does not count against the grade. One that is listed and passes makes the list stale,
+    and the certificate not `ok`.
+    """
 
     id: str
     reason: str
@@ -36,6 +52,9 @@ def read_known(path: Path) -> dict[str, Known]:
     """Known failures by finding id from a TOML file with lines `"id" = {reason = "...", issue = "..."}`.
 
     Raises LeakrefError for anything else.
+
+    That is a file that cannot be read, is not TOML or not UTF-8, and an entry that lacks one of the two, has anything
+    else, or has either of them blank. Ids are not looked up here: `runner.certify` refuses those that no check has.
     """
     try:
         table = tomllib.loads(path.read_text(encoding="utf-8"))
@@ -65,8 +84,18 @@ class Certificate:
     """All findings of one run over a `target`, with its `declaration` as printed on it.
 
     `known` are the failures that were said to be known; `diagnosis` the faults of the reference that reproduce the
-    failures, best first, with an `explanation` in words; `departs_at` the first stage that goes its own way.
-    `bias` says how biased it is, sea by sea (full profile; `leakref.certify.bias`).
+    failures, best first, with an `explanation` in words; `departs_at` the first stage that goes its own way. `bias`
+    says how biased it is, sea by sea (full profile; `leakref.certify.bias`).
+
+    - `target`: what was judged, as on the command line.
+    - `profile`: `quick` or `full`; `golden`: the golden set compared with, such as `v1`.
+    - `declaration`: what the code says of itself, as `Declaration.record` gives it.
+    - `findings`: one for each check and case, in the order of the families, whatever order they were found in.
+    - `known`: by finding id; `diagnosis`: records of `Hypothesis`, empty where nothing fell short or nothing explains
+      it.
+    - `departs_at`: `window`, `synthesize`, `spectrum` or `extract`, or empty.
+    - `bias`: records of `Bias`, empty in the quick profile and where no velocities are offered.
+    - `seconds`: wall time of the run.
     """
 
     target: str
@@ -83,23 +112,36 @@ class Certificate:
 
     @property
     def counts(self) -> dict[str, int]:
-        """How many findings there are of each verdict."""
+        """How many findings there are of each verdict.
+
+        Keys are the words of the verdicts (`pass`, `fail`, ...); those that do not occur are left out.
+        """
         return dict(Counter(str(f.verdict) for f in self.findings))
 
     @property
     def judged(self) -> list[Finding]:
-        """Findings that say something of the implementation."""
+        """Findings that say something of the implementation.
+
+        That is all but those of the verdict `unsupported`: what it does not offer speaks neither for nor against it.
+        """
         return [f for f in self.findings if f.verdict is not Verdict.UNSUPPORTED]
 
     @property
     def stale(self) -> list[Known]:
-        """Known failures that were looked for and did not fail: the list is out of date, which is an error."""
+        """Known failures that were looked for and did not fail: the list is out of date, which is an error.
+
+        One whose check was not run, or could not be judged, is not stale: nothing is known of it in this run.
+        """
         verdicts = {f.id: f.verdict for f in self.findings}
         return [one for one in self.known.values() if verdicts.get(one.id) is Verdict.PASS]
 
     @property
     def wrong(self) -> list[Finding]:
-        """Failures, errors and time-outs, known or not."""
+        """Failures, errors and time-outs, known or not. They decide the grade and are what the diagnosis tries to
+        explain.
+
+        One that declines every number (`missing`) is not among them, but counts in `grade`.
+        """
         return [f for f in self.findings if f.verdict in WRONG]
 
     @property
@@ -114,6 +156,9 @@ class Certificate:
         Sound: nothing outside conformance is wrong, and no family was declined as a whole. Conformant: besides, nothing
         in conformance is wrong or declined, and something was compared with golden values. A failure that is known is
         a failure: a list of them changes the exit status and nothing else.
+
+        One that offers nothing but what conformance compares is rejected where it is not conformant, since nothing else
+        speaks for it.
         """
         return self._graded(self.wrong)
 
@@ -131,7 +176,9 @@ class Certificate:
         return SOUND if beyond else REJECTED  # one that offers nothing else has only the golden values to go by
 
     def _declined(self) -> list[str]:
-        """Families in which it was asked for numbers and gave none."""
+        """Families in which it was asked for numbers and gave none. Conformance is left out: a code may decline golden
+        values and still be sound.
+        """
         verdicts: dict[str, set[Verdict]] = {}
         for f in self.judged:
             verdicts.setdefault(f.family, set()).add(f.verdict)
@@ -144,11 +191,17 @@ class Certificate:
 
     @property
     def status(self) -> int:
-        """Exit status: 0 holds, 1 fell short, 3 could not judge."""
+        """Exit status: 0 holds, 1 fell short, 3 could not judge.
+
+        These are the exit statuses of `leakref certify`. It is 3 only where no finding was judged as anything but
+        `missing`.
+        """
         return 3 if self.grade is None else 0 if self.ok else 1
 
     def record(self) -> dict[str, Any]:
-        """The JSON of `leakref certify` (guide protocol, section 14); its schema is `schema()`."""
+        """The JSON of `leakref certify` (guide protocol, section 14); its schema is `schema()`. All values are plain
+        JSON: NaN and what is infinite have become null, arrays lists.
+        """
         known = [
             {"id": k.id, "reason": k.reason, "issue": k.issue, "stale": k in self.stale} for k in self.known.values()
         ]
@@ -174,7 +227,9 @@ class Certificate:
         return result
 
     def families(self) -> list[tuple[str, dict[str, int]]]:
-        """Counts of verdicts of each family that was run."""
+        """Counts of verdicts of each family that was run. They come in the order of `FAMILIES`, each with a count for
+        every verdict that occurs in it.
+        """
         return [
             (family, dict(Counter(str(f.verdict) for f in self.findings if f.family == family)))
             for family in FAMILIES
@@ -183,7 +238,10 @@ class Certificate:
 
 
 def schema() -> dict[str, Any]:
-    """The JSON schema (draft 2020-12) of what `leakref certify --json` prints."""
+    """The JSON schema (draft 2020-12) of what `leakref certify --json` prints.
+
+    It is the file `certificate.schema.json` that is shipped with the package; a test holds `Certificate.record` to it.
+    """
     text = resources.files("leakref.certify").joinpath("certificate.schema.json").read_text(encoding="utf-8")
     return dict(loads(text))
 
@@ -192,7 +250,12 @@ _NOT_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"
 
 
 def junit(certificate: Certificate) -> str:
-    """JUnit XML: a suite for each family, a case for each finding; unsupported and known ones are skipped."""
+    """JUnit XML: a suite for each family, a case for each finding; unsupported and known ones are skipped.
+
+    A failure is a `failure`, an error or a time-out an `error`. Each stale known failure is a failed case in a suite of
+    its own, so that a CI that reads only this file turns red as the exit status does. Returned is the whole text of the
+    file, with its XML declaration; characters that XML does not allow are replaced.
+    """
     root = ElementTree.Element("testsuites", name=_clean(f"leakref certify {certificate.target}"))
     for family, _ in certificate.families():
         found = [f for f in certificate.findings if f.family == family]
@@ -215,6 +278,7 @@ def junit(certificate: Certificate) -> str:
 
 
 def _outcome(f: Finding, certificate: Certificate) -> tuple[str, dict[str, str]]:
+    """The element of JUnit that a finding becomes, empty for a pass, and its attributes."""
     if f.verdict is Verdict.PASS:
         return "", {}
     if f.verdict in (Verdict.UNSUPPORTED, Verdict.MISSING):

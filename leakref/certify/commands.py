@@ -1,4 +1,9 @@
-"""The commands that judge a code: certify, explain; what they print and write."""
+"""The commands that judge a code: certify, explain; what they print and write.
+
+`run` is the whole of `leakref certify`: it refuses what cannot be right before anything is started, runs the checks
+with a progress bar, has failures explained and, in the full profile, the bias measured, and then prints and writes.
+What has been found is printed even if it is interrupted on the way. Help texts and options are in `leakref.cli`.
+"""
 
 from __future__ import annotations
 
@@ -40,7 +45,16 @@ _SHOWN = 20
 
 @dataclass(frozen=True)
 class Request:
-    """What was asked on the command line."""
+    """What was asked on the command line.
+
+    - `target` or `command`: one of the two, as typed.
+    - `profile`: `quick` or `full`; `only`: patterns as for `select`; `golden`: the number of the set.
+    - `report`: folder for the page, the badge, JSON and JUnit XML; None writes none.
+    - `known`: TOML file of known failures; `keep`: folder in which exchanged files stay.
+    - `timeout`, `start`: seconds for one run and for the start; None leaves the defaults of `Limits`.
+    - `memory`: GiB, of the program with all it has started; `workers`: sessions side by side.
+    - `deep`: whether pairs of faults are tried in the diagnosis.
+    """
 
     target: str | None
     command: str | None
@@ -58,7 +72,10 @@ class Request:
 
 
 def show_list(profile: str, only: Sequence[str], *, json: bool) -> int:
-    """Print the ids of all findings there can be."""
+    """Print the ids of all findings there can be.
+
+    With `json` they are the `ids` of an envelope, else lines. The exit status is 0, or 3 if there are none.
+    """
     ids = [f"{check.id}[{case.id}]" for check, case in select(only, profile=profile)]
     print(dump(envelope("certify", bool(ids), ids=ids)) if json else "\n".join(ids))
     return 0 if ids else 3
@@ -70,7 +87,13 @@ def show_schema() -> None:
 
 
 def run(request: Request, *, json: bool = False) -> int:
-    """Certify, print, write; the exit status (guide protocol, section 13)."""
+    """Certify, print, write; the exit status (guide protocol, section 13). With `json` the certificate goes to standard
+    output, else a table and what fell short.
+
+    LeakrefError is raised before anything runs: for no target or two, a command that cannot be split, a golden set that
+    is not there, a list of known failures that cannot be read, a report folder that cannot be made. A program that does
+    not answer is status 3, with its last words. KeyboardInterrupt is passed on after what there is has been printed.
+    """
     if (request.target is None) == (request.command is None):
         given = "no target" if request.target is None else "a target and a --command"
         raise LeakrefError(
@@ -152,12 +175,15 @@ def _so_far(seen: Sequence[Finding], count: int) -> None:
 
 
 def _named(found: Certificate, request: Request) -> Certificate:
-    """With what was asked for in the lines that show a finding again."""
+    """With what was asked for in the lines that show a finding again. A target is quoted as a shell needs it."""
     said = shlex.quote(request.target) if request.target else f"--command {shlex.quote(str(request.command))}"
     return replace(found, findings=[replace(f, repro=f.repro.replace("TARGET", said)) for f in found.findings])
 
 
 def _split(command: str) -> list[str]:
+    """The argument list of `--command`, split as a shell does. Raises LeakrefError for open quotes, and for nothing at
+    all.
+    """
     try:
         words = shlex.split(command)
     except ValueError as error:
@@ -168,7 +194,9 @@ def _split(command: str) -> list[str]:
 
 
 def _biased(found: Certificate, session: ProcessSubject) -> tuple[Certificate, list[dict[str, str]]]:
-    """With how biased it is, sea by sea, and a picture of that for the page."""
+    """With how biased it is, sea by sea, and a picture of that for the page. In a session of its own, since the one of
+    the checks has ended. Nothing is measured where it offers no velocities.
+    """
     from leakref.certify.bias import REALIZATIONS, SCALES, SEAS, bias, figure
 
     if "extract" not in found.declaration["can"]:
@@ -201,6 +229,10 @@ def _write_text(text: str, path: Path) -> None:
 
 
 def _print(found: Certificate, written: Sequence[Path], only: Sequence[str]) -> None:
+    """The table, what is wrong with its reason and how to see it again, the bias, known and stale failures, the
+    diagnosis, and at the end the grade in words. A reason is printed once for each check, however many of its cases
+    fell short.
+    """
     show = Console()
     show.print(_summary(found))
     reasons = {c.id: c.reason for c, _ in select()}
@@ -242,6 +274,7 @@ def _print(found: Certificate, written: Sequence[Path], only: Sequence[str]) -> 
 
 
 def _summary(found: Certificate) -> Table:
+    """Counts of verdicts by family, and the fewest digits to which a number agreed there."""
     said = found.declaration
     frame = f"{said['units']}, axes {said['axes']}, y {said['y']}, direction {said['direction']}"
     if said["fixed"]:

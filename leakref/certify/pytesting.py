@@ -1,4 +1,9 @@
-"""The checks as tests of pytest, for a third party's own test file."""
+"""The checks as tests of pytest, for a third party's own test file.
+
+Each finding of `leakref certify` becomes a test of its own, with the id of the finding, so that `-k`, `--lf` and
+reports work as for any other test. The implementation is called in the process of the tests, without limits: for a code
+that may hang, crash or leak, `leakref certify` is the safer way. Importing this module imports pytest.
+"""
 
 from __future__ import annotations
 
@@ -30,6 +35,10 @@ def settle(finding: Finding, target: str | None = None) -> None:
 
     A failure ends with a line that can be pasted: of `leakref certify` where it is known what is to stand there for
     TARGET, else of pytest.
+
+    `target` is how the implementation is named on the command line, already quoted for a shell; None if it has no such
+    name. The outcome is raised as pytest wants it: `pytest.skip` for `unsupported` and `missing`, `pytest.fail` for the
+    others. A pass returns None.
     """
     if finding.verdict in (Verdict.UNSUPPORTED, Verdict.MISSING):
         pytest.skip(f"{finding.verdict}: {finding.message}")
@@ -40,6 +49,7 @@ def settle(finding: Finding, target: str | None = None) -> None:
 
 
 def _this_test() -> str:
+    """pytest names the running test in the environment."""
     return f"pytest {shlex.quote(os.environ.get('PYTEST_CURRENT_TEST', '').rpartition(' ')[0])}"
 
 
@@ -60,6 +70,9 @@ def parametrize_with_checks(
     checks or patterns of ids. `known` are failures that are accepted for now, {id: reason}, {id: {"reason": ...,
     "issue": ...}} or the path of a TOML file of the latter: they must fail, and one that passes fails the test until it
     is taken off. Raises LeakrefError for an unknown check, profile or known failure.
+
+    An instance, or what a class gives when it is called, is made once, when the first test runs, and shared by all.
+    Golden values are those of set 1.
     """
     if profile not in ("quick", "full"):
         raise LeakrefError("parametrize_with_checks", f"no profile is called {profile!r}", "choose quick or full")
@@ -93,6 +106,7 @@ def parametrize_with_checks(
 
 
 def _made(implementation: Any) -> Any:
+    """An instance: of a class, made without arguments, else what was given."""
     return implementation() if isinstance(implementation, type) else implementation
 
 
@@ -106,6 +120,9 @@ def _address(implementation: Any) -> str | None:
 
 
 def _known(given: Any) -> dict[str, Known]:
+    """Known failures from a mapping; the issue may be left out here, unlike in a file. Raises LeakrefError for other
+    forms.
+    """
     if not isinstance(given, Mapping):
         raise LeakrefError(
             "parametrize_with_checks",
@@ -127,6 +144,7 @@ def _known(given: Any) -> dict[str, Known]:
 
 
 def _marks(known: Known | None) -> list[pytest.MarkDecorator]:
+    """The marker by which a session knows that something was judged, and a strict expected failure if it is known."""
     marks = [getattr(pytest.mark, MARK)]
     if known is not None:
         issue = f" ({known.issue})" if known.issue else ""
@@ -135,6 +153,8 @@ def _marks(known: Known | None) -> list[pytest.MarkDecorator]:
 
 
 def _bound(check: Check, case: Case, subject: Callable[[], Subject], target: str | None) -> Callable[[], None]:
+    """What a test calls: the check on its case, as the outcome of the test."""
+
     def run() -> None:
         settle(check(subject(), case), target)
 

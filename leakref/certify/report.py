@@ -1,4 +1,9 @@
-"""The certificate as a page to send to a colleague, and as a badge."""
+"""The certificate as a page to send to a colleague, and as a badge.
+
+The page and the badge are templates in `pages/`; nothing in them is fetched from elsewhere, and all words of an
+implementation are escaped. Arrows are drawn as SVG from the figures that a finding carries: what should have come out,
+and what did. The module computes nothing that is not in the certificate.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +31,11 @@ _MOST = 12  # wavenumbers in a drawing
 
 
 def sentence(certificate: Certificate) -> str:
-    """What the grade means, and what it rests on."""
+    """What the grade means, and what it rests on.
+
+    It is what the command prints after the grade, and what stands at the top of the page. Its numbers are those of the
+    findings judged, so that a run of a few checks says that it was one.
+    """
     n = len(certificate.judged)
     if certificate.grade is None:
         return "Nothing that was asked is offered."
@@ -41,7 +50,11 @@ def sentence(certificate: Certificate) -> str:
 
 
 def page(certificate: Certificate, pictures: Sequence[Mapping[str, str]] = ()) -> str:
-    """One self-contained page of HTML, readable without scripts. `pictures`: title, words, and data, PNG in base64."""
+    """One self-contained page of HTML, readable without scripts. `pictures`: title, words, and data, PNG in base64.
+
+    Findings are grouped by family. Of each check the first one that is wrong is open, the others are folded away. A
+    check that only this golden set has is shown without its reason and its tolerance.
+    """
     known = {f"{c.id}[{case.id}]": c for c, case in select()}
     grade = certificate.grade or "not judged"
     first = {f.id.partition("[")[0]: f for f in reversed(certificate.wrong)}  # of each check: these are opened
@@ -65,12 +78,16 @@ def page(certificate: Certificate, pictures: Sequence[Mapping[str, str]] = ()) -
 
 
 def badge(certificate: Certificate) -> str:
-    """A small SVG with the grade."""
+    """A small SVG with the grade.
+
+    Its width follows the length of the word; `not judged` is one of the words. The text of the file is returned.
+    """
     grade = certificate.grade or "not judged"
     return _PAGES.get_template("badge.svg").render(grade=grade, width=58 + 7 * len(grade), colour=_COLOURS[grade])
 
 
 def _declared(said: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """The declaration in rows of a name and words, for the table on the page."""
     for name in ("units", "axes", "y", "direction"):
         yield name, str(said[name])
     yield "fixed", ", ".join(said["fixed"]) or "nothing"
@@ -83,6 +100,7 @@ def _declared(said: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
 
 
 def _row(finding: Finding, check: Check | None, is_open: bool) -> dict[str, Any]:
+    """What the template needs of one finding: itself, its check's reason and tolerance, and drawings of its figures."""
     drawings = list(_drawings(finding.figures, finding.over or 0.0))
     return {
         "finding": finding,
@@ -94,7 +112,9 @@ def _row(finding: Finding, check: Check | None, is_open: bool) -> dict[str, Any]
 
 
 def _drawings(figures: Mapping[str, Any], over: float, title: str = "velocities") -> Iterator[dict[str, Any]]:
-    """Arrows of every part of the figures that has velocities (n, 2) and what they should be; `over` of the finding."""
+    """Arrows of every part of the figures that has velocities (n, 2) and what they should be; `over` of the finding.
+    Figures may hold figures of several methods or windows: each part that has velocities is drawn.
+    """
     if {"wavenumbers", "velocities", "should_be"} <= set(figures):
         labels = [f"k = {k:.3g}" for k in figures["wavenumbers"]]
         yield _arrows(
@@ -110,7 +130,9 @@ def _drawings(figures: Mapping[str, Any], over: float, title: str = "velocities"
 
 
 def _arrows(title: str, labels: Sequence[str], *values: npt.ArrayLike) -> dict[str, Any]:
-    """`values`: found (n, 2), should be (n, 2), effect over tolerance (n,)."""
+    """`values`: found (n, 2), should be (n, 2), effect over tolerance (n,). All arrows are drawn to one scale, the
+    longest 45 units; at most `_MOST` wavenumbers are shown. Red are those that are beyond the tolerance.
+    """
     found, should, over = (np.asarray(value, dtype=np.float64) for value in values)
     longest = np.nanmax(np.abs(np.concatenate([found, should])), initial=1e-12)
     x = 60 + 110 * np.arange(len(labels))

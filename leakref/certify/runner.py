@@ -1,4 +1,16 @@
-"""Running the checks over an implementation, in several processes of it at once, to a certificate."""
+"""Running the checks over an implementation, in several processes of it at once, to a certificate.
+
+Sessions take checks from one queue, each as soon as it is free, so that a slow check does not hold up the others; the
+findings are put back into the order of the checks. One session always runs in the calling thread. `select` decides
+which checks and cases are asked, and is the only place that knows profiles and patterns. Whether an answer is right is
+for the checks, and what all of it amounts to for the certificate.
+
+The whole of it in Python, without a process of its own and without limits:
+
+    session = nullcontext(InProcess(implementation))
+    found = certify("mine", [session], select(["signs"], profile="quick"), profile="quick")
+    print(found.grade, [finding.message for finding in found.wrong])
+"""
 
 from __future__ import annotations
 
@@ -35,8 +47,17 @@ def certify(
 ) -> Certificate:
     """Run `checks` over an implementation and say what they amount to.
 
-    `subjects` are as many independent sessions with it as shall work side by side. The findings are in the order of
-    the checks, whichever session made them. Raises LeakrefError for a known failure that is no check's id.
+    `subjects` are as many independent sessions with it as shall work side by side. The findings are in the order of the
+    checks, whichever session made them. Raises LeakrefError for a known failure that is no check's id.
+
+    `checks` are pairs from `select`. `profile` and `golden` are only written down: they have been applied by `select`.
+    `after_each` is called with every finding, from the thread that made it, as soon as it is there. A code that has
+    altered its input in a session where no check looked for it afterwards gets one more finding,
+    `behaviour.input[whole-run]`.
+
+    Whatever a session raises on entry is passed on (`ProcessSubject`: LeakrefError, HarnessBroken), as is the
+    RuntimeError of `run_checks`. Then, and when it is interrupted, the queue is emptied and every session is ended at
+    once.
     """
     known = dict(known or {})
     ids = {identifier for check, _ in select(golden=golden) for identifier, _ in check.ids()}
@@ -83,7 +104,9 @@ def certify(
 
 
 def _left_over(subjects: Sequence[Subject]) -> list[Finding]:
-    """What an implementation did to its input in a session in which no check has looked for it since."""
+    """What an implementation did to its input in a session in which no check has looked for it since. Such violations
+    are noted by the session and read by a check of behaviour; those after the last such check would be lost.
+    """
     done = list(dict.fromkeys(violation for subject in subjects for violation in subject.violations))
     return (
         [
@@ -102,6 +125,7 @@ def _left_over(subjects: Sequence[Subject]) -> list[Finding]:
 
 
 def _taken(waiting: SimpleQueue[int]) -> Iterator[int]:
+    """Numbers from the queue until it is empty: sessions that end early leave theirs to the others."""
     while True:
         try:
             yield waiting.get_nowait()
@@ -113,6 +137,11 @@ def select(patterns: Sequence[str] = (), *, profile: str = "full", golden: int =
     """Checks and cases whose id, check or family matches one of the patterns (default: all) in a profile.
 
     Conformance is to golden set number `golden`. Raises LeakrefError for a pattern that matches nothing in any profile.
+
+    A pattern is an id (`recovery.pair[...]`), a check (`recovery.pair`), a family (`recovery`), or one of the first two
+    with `*` and `?`; brackets in it stand for themselves. `profile` `full` means every case, anything else those marked
+    quick. The pairs returned are in the order of `FAMILIES`, and may be none where a pattern matches only cases of the
+    other profile.
     """
     order, every = {family: n for n, family in enumerate(FAMILIES)}, checks.load()
     if golden != 1:
@@ -144,7 +173,10 @@ def select(patterns: Sequence[str] = (), *, profile: str = "full", golden: int =
 
 
 def run_check(identifier: str, subject: Subject) -> Finding:
-    """One check on one case by the id of its finding."""
+    """One check on one case by the id of its finding.
+
+    Raises LeakrefError for an id that is none, and ValueError for a pattern that matches several.
+    """
     ((c, case),) = select([identifier])
     return c(subject, case)
 
@@ -154,7 +186,12 @@ def run_checks(
     subject: Subject,
     after_each: Callable[[Finding], object] = lambda finding: None,
 ) -> list[Finding]:
-    """All findings. A fault of a check itself is not the implementation's: it is raised, with the id."""
+    """All findings. A fault of a check itself is not the implementation's: it is raised, with the id.
+
+    `after_each` is called with every finding. LeakrefError, OSError and MemoryError are those of the harness and are
+    passed on as they are; any other exception of a check becomes a RuntimeError that names the check. An exception of
+    the implementation never gets here: it is a finding with the verdict `error`.
+    """
     findings = []
     for c, case in pairs:
         try:

@@ -1,5 +1,8 @@
 """A working adapter to start from, in several languages, and files for CI that judge it: copied from `templates/`, a
-folder for each kind."""
+folder for each kind.
+
+Used by `leakref scaffold`. The adapters work as they are, with something simple that is to be replaced.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,9 @@
-"""What a TARGET on the command line means."""
+"""What a TARGET on the command line means.
+
+Four kinds of names are understood: `reference`, `fault:ID`, `variant:ID` and `package.module:object`. `load` turns one
+into an object, here; `connect` into a context in which it runs in a process of its own, as `leakref certify` wants it.
+A program that is not Python has no name and is given as a command.
+"""
 
 from __future__ import annotations
 
@@ -19,6 +24,11 @@ def load(target: str) -> Any:
     """The Python object that `target` names: reference, fault:ID, variant:ID or package.module:object.
 
     Raises LeakrefError if there is none of that name. What the module raises on import is passed on.
+
+    A class is called without arguments and the instance returned; any other object is returned as it is. The current
+    folder is put in front of the search path, as `python -m` does. LeakrefError is raised for a name that is malformed,
+    a module that is not there (its own missing imports too, by the name of the missing one), an attribute that the
+    module lacks, and an unknown fault or variant.
     """
     if target == "reference":
         from leakref.certify.strength.faults import Named
@@ -67,6 +77,10 @@ def connect(
     """The context in which a Python `target` (`targets.load`) or a `command`, an argument list, is judged, run here.
 
     It is started on entry, where LeakrefError is raised if that cannot be, and HarnessBroken if it does not answer.
+
+    `limits` are of time and memory, `keep` is a folder in which the exchanged files stay. A Python target gets
+    `Limits.start` seconds for the import of leakref itself before its own start begins to count. LeakrefError is raised
+    here, too, if both or neither of `target` and `command` are given.
     """
     if bool(target) == bool(command):
         raise LeakrefError(

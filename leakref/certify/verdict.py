@@ -1,4 +1,8 @@
-"""What is said of an implementation: verdicts, findings, and the reasons why there may be no answer."""
+"""What is said of an implementation: verdicts, findings, and the reasons why there may be no answer.
+
+All of certify speaks in these terms, and this module imports none of it. Words of a program under test pass through
+`printable` before they are shown anywhere.
+"""
 
 from __future__ import annotations
 
@@ -10,14 +14,21 @@ __all__ = ["WRONG", "Finding", "Unanswered", "Verdict", "printable"]
 
 
 def printable(text: Any, longest: int = 300) -> str:
-    """Words of a program that is not trusted, on one line, without control characters and marks of direction, cut."""
+    """Words of a program that is not trusted, on one line, without control characters and marks of direction, cut.
+
+    `longest` is in characters of the result; what is cut ends in three dots.
+    """
     line = "".join(c if c.isprintable() else " " for c in str(text)[: 4 * longest])
     line = " ".join(line.split())
     return line if len(line) <= longest else line[: longest - 3] + "..."
 
 
 class Verdict(StrEnum):
-    """Of one check on one case."""
+    """Of one check on one case.
+
+    PASS and FAIL are of a number that was compared, or of a behaviour that was looked at. A time-out is a run that gave
+    no answer within its limit; the program is then ended and started again. Its words are those in the JSON.
+    """
 
     PASS = "pass"
     FAIL = "fail"
@@ -38,9 +49,16 @@ WRONG = (Verdict.FAIL, Verdict.ERROR, Verdict.TIMEOUT)
 class Finding:
     """One check on one case. `digits` of agreement where a number was compared; `repro` shows how to see it again.
 
-    `figures` are the numbers behind the message, by name, for reports and for the study of the suite's strength;
-    `over` is the error over the tolerance: above 1 it fails. `calls` are the answers if it did not pass, for the
-    diagnosis.
+    `figures` are the numbers behind the message, by name, for reports and for the study of the suite's strength; `over`
+    is the error over the tolerance: above 1 it fails. `calls` are the answers if it did not pass, for the diagnosis.
+
+    - `id`: `family.check[case]`; `family`: a key of `FAMILIES`; `label`: the paper's equation, or `protocol`.
+    - `message`: what was found, beside what should have been, in words.
+    - `digits`: None where nothing is compared digit by digit.
+    - `over`: None where there was no number; NaN counts as a failure.
+    - `repro`: a command line with TARGET in the place of the target.
+    - `figures`: arrays or dictionaries of them; they are not in the JSON.
+    - `calls`: `Call` objects, in the order asked; empty if it passed.
     """
 
     id: str
@@ -55,7 +73,10 @@ class Finding:
     calls: tuple[Any, ...] = field(default=(), repr=False)
 
     def record(self) -> dict[str, Any]:
-        """As in the JSON of `leakref certify` (guide protocol, section 14)."""
+        """As in the JSON of `leakref certify` (guide protocol, section 14).
+
+        `figures` and `calls` are left out: they are large, and for reports and the diagnosis only.
+        """
         return {
             "id": self.id,
             "family": self.family,
@@ -72,6 +93,11 @@ class Unanswered(Exception):
     """An implementation gave no answer that could be judged: the verdict for the check that asked.
 
     Whatever of the message is in its own words can be printed anywhere.
+
+    - `verdict`: `unsupported`, `missing`, `fail`, `error` or `timeout`.
+    - `message`: one line of at most 1500 characters, cleaned by `printable`.
+
+    It is raised by subjects and by checks, and turned into a finding in one place, `Check.__call__`.
     """
 
     def __init__(self, verdict: Verdict, message: str) -> None:

@@ -1,7 +1,11 @@
-"""The program in which a Python target is judged: `python -m leakref.certify.worker TARGET`, protocol 1 with npz
-(guide protocol, sections 5 and 6).
+"""The program in which a Python target is judged: `python -m leakref.certify.worker TARGET`, protocol 1 with npz (guide
+protocol, sections 5 and 6).
 
 With a second word it says first when all of ours is loaded, which takes seconds on a busy machine.
+
+It stands between a Python object and the protocol, so that such an object is judged like any other program: with
+limits, and without a way to take the command down with it. `targets.connect` starts it; it can be started by hand as
+well, to see what a target answers. It judges nothing.
 """
 
 from __future__ import annotations
@@ -32,6 +36,9 @@ def main(target: str, *told: str) -> None:
     """Load `target` and answer requests on standard input until `stop` or its end.
 
     What the target itself prints goes to standard error, and it reads nothing: the protocol has both to itself.
+
+    `told` is the second word of the command line, if there is one. Every request gets one line of JSON back; after
+    `failed`, `stop` or anything unknown it ends.
     """
     faulthandler.enable()
     requests, answers = _taken(0, "r"), _taken(1, "w")
@@ -52,7 +59,9 @@ def main(target: str, *told: str) -> None:
 
 
 def _taken(number: int, mode: str) -> IO[str]:
-    """Standard input or output for the protocol alone; in its place nothing, or standard error."""
+    """Standard input or output for the protocol alone; in its place nothing, or standard error. So neither a print of
+    the target nor a library that reads can spoil the protocol.
+    """
     stream = os.fdopen(os.dup(number), mode, encoding="utf-8", newline="\n")
     replacement = os.open(os.devnull, os.O_RDONLY) if mode == "r" else os.dup(2)
     os.dup2(replacement, number)
@@ -61,7 +70,12 @@ def _taken(number: int, mode: str) -> IO[str]:
 
 
 def ready(target: str) -> tuple[dict[str, Any], Calls]:
-    """What is said at the start, `ready` or `failed` with a fault and a remedy, and the stages that are offered."""
+    """What is said at the start, `ready` or `failed` with a fault and a remedy, and the stages that are offered.
+
+    Whatever the target raises on import or in `describe` is caught: its traceback goes to standard error, its first
+    words into the fault. `broken` is set where the declaration or the offer itself is wrong (Unanswered), which the
+    command reports as a target that could not be judged.
+    """
     try:
         implementation = targets.load(target)
         calls = offer(implementation)
@@ -84,7 +98,13 @@ def ready(target: str) -> tuple[dict[str, Any], Calls]:
 
 
 def answer(calls: Calls, request: Mapping[str, Any]) -> dict[str, Any]:
-    """The answer to a request; a fault of the target is in its status."""
+    """The answer to a request; a fault of the target is in its status.
+
+    `request` holds `id`, `stage`, the paths `input` and `output`, and `parameters` (guide protocol, section 4).
+    Velocities come back on the line, all other outputs in an npz file. NotImplementedError means `unsupported`, any
+    other exception `error`. Inputs that the call changed in memory are named under `altered`, since the file cannot
+    show that.
+    """
     stage, said = str(request["stage"]), {"id": request["id"], "status": "ok"}
     with np.load(request["input"], allow_pickle=False) as stored:
         given = {name: stored[name] for name in stored.files}
@@ -127,7 +147,9 @@ def _simple(value: Any) -> Any:
 
 
 def _save(path: Path, found: Mapping[str, Any]) -> None:
-    """The output variables as float64 or complex128, so that they can be read elsewhere; what is masked is NaN."""
+    """The output variables as float64 or complex128, so that they can be read elsewhere; what is masked is NaN. It goes
+    by `np.savez`, to the path that was asked for.
+    """
     values = {}
     for name, value in found.items():
         array = np.ma.masked_array(value)

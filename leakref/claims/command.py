@@ -1,4 +1,9 @@
-"""`leakref claims`: the statements evaluated, as a table, as JSON and as pictures."""
+"""`leakref claims`: the statements evaluated, as a table, as JSON and as pictures.
+
+It evaluates (`evaluate`), prints (`table`) and writes. The verdict of a claim is `registry.Finding`'s; a statement of
+the paper that is not reproduced is a result, and so the command succeeds. Ensembles come from `evidence`, resumed from
+the folder that `leakref reproduce` uses as well.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +28,10 @@ _COLOURS = {REPRODUCED: "green", NOT_REPRODUCED: "red", DEPENDS: "yellow"}
 def evaluate(
     ids: Sequence[str] = (), *, realizations: int = 100, place: Path | None = None, workers: int = 1
 ) -> list[Finding]:
-    """The claims named (default: all), on ensembles kept in `place` and shared with `leakref reproduce --out`."""
+    """The claims named (default: all), on ensembles kept in `place` and shared with `leakref reproduce --out`. In the
+    order of the paper's list. With `workers` processes. Raises LeakrefError for an unknown id, and for fewer than two
+    realisations.
+    """
     claims = select(ids)
     with progress_bar("claims", len(claims)) as step, runs.pool(workers) as executor:
         evidence = Evidence(realizations, place and folder(place) / "parts", executor)
@@ -37,7 +45,11 @@ def evaluate(
 def run(
     ids: Sequence[str], *, realizations: int, place: Path, workers: int, figures: bool, out: Path | None, json: bool
 ) -> bool:
-    """Evaluate, print, write; True: a claim that is not reproduced is a result, not a failure."""
+    """Evaluate, print, write; True: a claim that is not reproduced is a result, not a failure.
+
+    With `out` the findings are written there, a claim a line, as in `golden/claims.json`; with `figures` a picture of
+    each goes to `place`.
+    """
     findings = evaluate(ids, realizations=realizations, place=place, workers=workers)
     result = envelope("claims", True, realizations=realizations, claims=[finding.record() for finding in findings])
     if out is not None:
@@ -70,7 +82,10 @@ def _short(figure: Any) -> str:
 
 
 def table(findings: Sequence[Finding], realizations: int) -> Table:
-    """Verdict and figure of each claim."""
+    """Verdict and figure of each claim.
+
+    A row a claim, with the figure of its first reading, which is the nearest to the words.
+    """
     result = Table(
         title=f"The paper's claims, {realizations} realisations",
         caption_justify="left",
@@ -94,6 +109,7 @@ def table(findings: Sequence[Finding], realizations: int) -> Table:
 
 
 def _readings(finding: Finding) -> Table:
+    """All readings of one claim, with their answers and figures."""
     claim = finding.claim
     result = Table(title=f"{claim.id} ({claim.label}): {finding.verdict}", caption=claim.test, caption_justify="left")
     for name in ("reading", "holds", "figure"):

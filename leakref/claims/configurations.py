@@ -1,4 +1,9 @@
-"""Configurations that the statements need: those of the paper's table, and those it does not list."""
+"""Configurations that the statements need: those of the paper's table, and those it does not list.
+
+A claim names its seas by these functions, so that a sea of the paper's table and one beside it are made alike, and an
+ensemble that two claims ask for is computed once. Lengths and durations are in peak wavelengths and periods, angles in
+degrees, speeds in `c0`. `EXTRA` lists all that are in no table of the paper.
+"""
 
 from __future__ import annotations
 
@@ -28,9 +33,13 @@ __all__ = [
 ]
 
 DIRECTIONS, SPREADS, WIDER = (60.0, 75.0, 90.0), (15.0, 30.0, 45.0, 60.0), (75.0, 90.0, 120.0)
+"""theta0 and spreads of the paper's case, and spreads beyond it, in degrees."""
 GAMMAS = (1.0, 3.3, 7.0)
+"""Of case-gamma."""
 LENGTHS = (5.0, 10.0, 20.0)
+"""Of case-L-T, in peak wavelengths."""
 SPEEDS = (0.025, 0.075, 0.15)
+"""Of case-U in `c0`; the paper names no others within its range (D22)."""
 CURRENTS = {"following": 90.0, "crossing": 0.0, "opposing": -90.0}
 """Directions of the current by what they are for waves at 90 degrees."""
 ROTATIONS = ((60.0, 15.0), (60.0, 30.0), (75.0, 15.0), (45.0, 45.0))  # theta0 and angle; sums are 75, 90, 90, 90
@@ -42,7 +51,7 @@ def _configuration(case: str, varied: tuple[str, ...], **values: float) -> Confi
 
 
 def sea(direction: float, spread: float, rotation: float = 0.0) -> Configuration:
-    """Of case-theta0-DeltaTheta."""
+    """Of case-theta0-DeltaTheta. Direction, spread and rotation in degrees; gamma 3.3, L = 10, T = 20."""
     turn = ("rotation",) if rotation else ()
     return _configuration(
         "theta0-dtheta", ("direction", "spread", *turn), direction=direction, spread=spread, rotation=rotation
@@ -50,7 +59,7 @@ def sea(direction: float, spread: float, rotation: float = 0.0) -> Configuration
 
 
 def peaked(spread: float, peakedness: float = 3.3, length: float = 10.0) -> Configuration:
-    """Of case-gamma, theta0 = 60 degrees."""
+    """Of case-gamma, theta0 = 60 degrees. Spread in degrees; T = 20."""
     side = () if length == 10 else ("length",)
     return _configuration(
         "gamma", ("spread", "peakedness", *side), direction=60, spread=spread, peakedness=peakedness, length=length
@@ -58,7 +67,7 @@ def peaked(spread: float, peakedness: float = 3.3, length: float = 10.0) -> Conf
 
 
 def domain(length: float, duration: float) -> Configuration:
-    """Of case-L-T."""
+    """Of case-L-T. A broad sea (90 degrees, spread 60), in still water."""
     return _configuration("L-T", ("length", "duration"), length=length, duration=duration)
 
 
@@ -75,7 +84,7 @@ def narrow_domain(length: float, duration: float) -> Configuration:
 
 
 def current(speed: float, direction: float = 0.0, rotation: float = 0.0) -> Configuration:
-    """Of case-U."""
+    """Of case-U. Waves at 90 degrees with spread 60; a speed of zero has no direction."""
     return _configuration(
         "U",
         ("rotation", "speed", "current_direction") if speed else ("rotation", "speed"),
@@ -86,7 +95,7 @@ def current(speed: float, direction: float = 0.0, rotation: float = 0.0) -> Conf
 
 
 def turn(rotation: float, currents: Iterable[float] = CURRENTS.values()) -> Iterator[Configuration]:
-    """All of case-U that run, at one angle of rotation."""
+    """All of case-U that run, at one angle of rotation. `currents` are directions before the rotation."""
     return (current(speed, direction, rotation) for speed, direction in product(SPEEDS, currents))
 
 

@@ -1,4 +1,16 @@
-"""U: a uniform current (case-U; sec:current). Waves at 90 deg; following, crossing and opposing currents."""
+"""U: a uniform current (case-U; sec:current). Waves at 90 deg; following, crossing and opposing currents.
+
+Eleven statements, U1 to U11. Errors are |c - U|, or the mean of |c| against U as the paper's figures show it: where the
+two could differ both are readings. Rotated seas are turned either way (D23) where that could matter.
+
+- U1, U2: the sign of the errors along the waves, and their size against still water.
+- U3: a crossing current, untapered, turns velocities towards the waves' line at low wavenumbers.
+- U4: a taper reduces errors of size and direction for currents along the waves.
+- U5, U6: tapered, a crossing current keeps a bias of about a tenth of `c0`, and errors of direction.
+- U7, U8: rotated by 30 degrees, untapered, biases are stronger, down to half of the current.
+- U9, U10: tapered, a rotation does not matter, and other angles are alike.
+- U11: with a current errors are mostly below resolution.
+"""
 
 from __future__ import annotations
 
@@ -82,6 +94,9 @@ _ANGLES = {"mean vector": _mean_angle, "each DSV": _angles}
     "when opposing, at k < 1 the reverse. Not rotated; untapered and Hann.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """The error as a vector is compared with the waves' direction, its size with the speed of the current, whose sense
+    changes the sign for opposing ones.
+    """
     for window in WINDOWS:
         vector, size = [], []
         for one in turn(0.0):
@@ -104,6 +119,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "significantly different. Not rotated; untapered and Hann.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Still water has the same phases, so that the difference is paired."""
     for (measure, of), window in product(MEASURES.items(), WINDOWS):
         still = see(current(0.0), window)
         differences = [of(see(one, window)) - bias(still) for one in turn(0.0)]
@@ -122,6 +138,8 @@ def _(see: Evidence) -> Iterator[Reading]:
     "significant at k > 1.65. Not rotated, all speeds.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """That they turn below a limit, and that they do not beyond it, are two statements; a reading has one or both."""
+
     def turning(test: Callable[[Sample, FloatArray], Tally], inside: Band) -> Tally:
         ensembles = [see(current(speed, _CROSSING), "box") for speed in SPEEDS]
         return pooled(*(test(across(e, 0).at(inside), smaller(e)[inside(e.wavenumbers)]) for e in ensembles))
@@ -139,6 +157,9 @@ def _(see: Evidence) -> Iterator[Reading]:
     "of direction (of the mean vector, or the mean over DSVs) below that untapered. Not rotated.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """The two directions along the waves are pooled; errors of direction are those of the mean vector, or of each
+    velocity.
+    """
     for (measure, size), (words, angle) in product(MEASURES.items(), _ANGLES.items()):
         sizes, angles = [], []
         for one in turn(0.0, _ALIGNED):
@@ -157,6 +178,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "order (10^-1/2 to 10^1/2 times it), over all shells and at |k - 1| <= 0.1. Not rotated, all speeds.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """A mean is about a tenth if it is between two limits; at each shell the nearer one counts."""
     for (measure, of), (words, low, high) in product(
         {**MEASURES, "mean vector against U": _vector}.items(),
         (("of the order of 10 %", 0.1 * 10**-0.5, 0.1 * 10**0.5), ("within 10 % of 10 %", 0.09, 0.11)),
@@ -184,6 +206,7 @@ def _between(sample: Sample, low: float, high: float) -> Tally:
     "k < 1 (the text speaks of k below the peak), and for all at k = 0.45 to 0.55. Not rotated.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """The degrees themselves stand in the figure, since the paper names a range."""
     for words, of in _ANGLES.items():
         weak = of(see(current(SPEEDS[0], _CROSSING), "hann")).at(BELOW)
         low = [
@@ -207,6 +230,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "rise, mean over shells, for a crossing current above those of the others. Rotated either way (D23).",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """An aligned current may be turned either way with the same result, mirrored; a crossing one may not."""
     for (measure, of), (sense, angle) in product(MEASURES.items(), _SENSES.items()):
         rise = {
             (speed, way): of(see(current(speed, way, angle if way == _CROSSING else 30.0), "box"))
@@ -231,6 +255,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "mean vector, or component along U below U / 2; at every shell, most, or the lowest for each speed.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """The lowest shell of each speed is a reading of its own: the words may mean that such velocities occur."""
     sizes = {
         "mean of |c|": bias,
         "mean vector": lambda e: Sample(e.wavenumbers, _length(e)),
@@ -269,6 +294,7 @@ def _length(e: Ensemble) -> np.ndarray:
     "of the mean vector turned back; not significantly different, or closer than the smaller resolution.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """The mean vector is compared in the frame of the current, component by component."""
     pairs = [(see(current(one.speed, one.current_direction, 30.0), "hann"), see(one, "hann")) for one in turn(0.0)]
     differences = {
         "mean of |c|": [bias(a) - bias(b) for a, b in pairs],
@@ -289,6 +315,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "significantly different; untapered and Hann.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """30 degrees is the angle of the figures, with which the others are compared."""
     for (measure, of), window in product({"mean of |c|": bias, "mean of |c - U|": missed}.items(), WINDOWS):
         pairs = [
             (of(see(one, window)), of(see(current(one.speed, one.current_direction, 30.0), window)))
@@ -313,6 +340,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "rotated; untapered and Hann.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """At most shells, since the words say mostly; the bias of direction is looked for near the peak only."""
     for (measure, of), (resolution, choose), window in product(MEASURES.items(), RESOLUTIONS.items(), WINDOWS):
         ensembles = [see(one, window) for one in turn(0.0)]
         crossing = [see(current(speed, _CROSSING), window) for speed in SPEEDS]

@@ -1,4 +1,8 @@
-"""`leakref claims --decisions`: how far each decision moves the velocities, as a table, as JSON and as a figure."""
+"""`leakref claims --decisions`: how far each decision moves the velocities, as a table, as JSON and as a figure.
+
+What is kept in `golden/decisions.json` is printed unless it is to be computed, which takes long. The study and the
+judging are `shifts`'; here are the table, the record and the figure's call.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +31,9 @@ def computed(*, realizations: int, judged: int, place: Path, workers: int, full:
     """The study of all variants, and the claims under those that move a velocity by more than 10 % of a resolution.
 
     With `realizations` of each configuration for the study and `judged` for the claims. `full`: every claim; else those
-    that need no other configurations than the eight. Both go on where they stopped.
+    that need no other configurations than the eight. Both go on where they stopped. Under `decisions` each has its
+    question, the reference's answer, the claims that turn and its variants with a row for each sea, window and method;
+    under `claims` what became of each claim under each variant.
     """
     parts = folder(place) / "parts"
     with runs.pool(workers) as executor:
@@ -59,6 +65,7 @@ def computed(*, realizations: int, judged: int, place: Path, workers: int, full:
 def _decision(
     id: str, found: dict[str, list[list[Shifts]]], judged: Sequence[Variant], claims: Sequence[dict[str, Any]]
 ) -> dict[str, Any]:
+    """A decision with its variants, their rows, and the claims that turn under any of them."""
     decision = DECISIONS[id]
     variants = [
         {"id": v.id, "words": v.words, "paired": v.paired, "claims_judged": v in judged, "rows": _rows(found[v.id])}
@@ -145,6 +152,7 @@ def _number(spread: dict[str, Any], unit: str, which: str) -> str:
 
 
 def _cells(row: dict[str, Any]) -> list[str]:
+    """Median, 95th percentile and largest in `c0`, and the largest over the resolution, red from a tenth on."""
     spread = row["unflagged"]
     share = _number(spread, "resolution", "largest")
     return [
@@ -213,5 +221,6 @@ def _turned(result: dict[str, Any]) -> Table:
 
 
 def _share(claim: dict[str, Any]) -> str:
+    """The claim and how many of its readings turn, in bold if its verdict is another then."""
     words = f"{claim['id']} {len(claim['flipped'])}/{claim['readings']}"
     return words if claim["before"] == claim["verdict"] else f"[bold]{words}[/bold]"

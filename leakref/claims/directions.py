@@ -1,4 +1,19 @@
-"""A: direction and spread (case-theta0-DeltaTheta; sec:NSP_and_leakage, sec:DSV_example, sec:angwidth)."""
+"""A: direction and spread (case-theta0-DeltaTheta; sec:NSP_and_leakage, sec:DSV_example, sec:angwidth).
+
+Fourteen statements, A1 to A14, each a predicate that yields readings; what is tested is said in its registration. Their
+seas differ in direction and spread alone, so that realisations are compared in pairs with the same phases.
+
+- A1, A2: untapered, the mean velocity points along the waves below the peak and against them above.
+- A3: for oblique narrow seas it is the component across the waves that dominates above the peak.
+- A4, A5: a wider spread lowers bias and random part, up to 60 degrees.
+- A6: near the peak spurious velocities are negligible.
+- A7, A11: untapered the direction matters, most at 45 degrees; tapered much less.
+- A8: a taper helps less below the peak than above.
+- A9: turned videos are like seas that go that way.
+- A10, A13: tapered narrow seas, and wide ones, are below the resolutions.
+- A12: how large biases can get.
+- A14: leakage from the peak that misses the cylinder does no harm.
+"""
 
 from __future__ import annotations
 
@@ -70,6 +85,9 @@ def _(see: Evidence) -> Iterator[Reading]:
     "or means of sizes. Spread 15, theta0 = 45, 60, 75 deg together.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Sizes of means and means of sizes differ where a component changes its sign from sea to sea: so both are
+    readings.
+    """
     ensembles = {angle: see(sea(angle, 15), "box") for angle in (45.0, 60.0, 75.0)}
 
     def mean_of_sizes(sample: Sample) -> Sample:
@@ -120,6 +138,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "untapered and Hann.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """A change for the worse is no improvement, however significant it is."""
     for (words, of), window in product(STATISTICS.items(), WINDOWS):
         parts = []
         for angle, wide in product(DIRECTIONS, WIDER):
@@ -139,6 +158,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "case; untapered and Hann.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """The peak alone, or a tenth about it, is what *around* may mean."""
     bands = {"0.9 to 1.1": NEAR, "1": lambda k: np.abs(k - 1) < 1e-6}
     for (level, of), window, (band, inside) in product(LEVELS.items(), WINDOWS, bands.items()):
         ensembles = [see(sea(angle, spread), window) for angle, spread in product(DIRECTIONS, SPREADS)]
@@ -156,6 +176,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "untapered, and by a significant amount.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """A change that is significant but for the worse contradicts, since influence is said to be reduced."""
     for words, of in STATISTICS.items():
         matters, reduced = [], []
         for (a, b), spread in product(combinations(DIRECTIONS, 2), SPREADS):
@@ -178,6 +199,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "band; for all of the case, counted by configuration.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """What is left is the ratio of the biases, so that the band where it is larger is the one that is helped less."""
     share, amount = [], []
     for angle, spread in product(DIRECTIONS, SPREADS):
         box, hann = (bias(see(sea(angle, spread), window)) for window in WINDOWS)
@@ -196,6 +218,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "each image turned by cubic splines and cropped from a larger one, against the same sea turned exactly.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Turned seas need no images; for turned images the camera sees a larger square, and few realisations must do."""
     for window in WINDOWS:
         same = []
         for (angle, turn), spread, of in product(ROTATIONS, (15, 60), STATISTICS.values()):
@@ -216,6 +239,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "Mean of |c|, or mean + 2 sd, below the smaller resolution at every shell; spread 15, theta0 = 60, 75, 90.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """All shells are meant, so that there is no reading of most of them."""
     for level, of in LEVELS.items():
         ensembles = [see(sea(angle, 15), "hann") for angle in DIRECTIONS]
         yield from every({"level": level}, sub_resolution=pooled(*(below(of(e), smaller(e)) for e in ensembles)))
@@ -246,6 +270,9 @@ def _(see: Evidence) -> Iterator[Reading]:
     "10^-1/2 and 10^1/2).",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Of each spread the sea and the shell with the largest share stand for all, since the statement is about what can
+    be reached.
+    """
     seas = {
         spread: [
             see(one, "box")
@@ -276,6 +303,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "untapered and Hann.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Wider seas than the paper's table has."""
     for level, resolution, window in product(LEVELS, RESOLUTIONS, WINDOWS):
         ensembles = [see(sea(angle, spread), window) for angle, spread in product(DIRECTIONS, WIDER)]
         yield from either(
@@ -296,6 +324,9 @@ def _(see: Evidence) -> Iterator[Reading]:
     "(not significant), or below it (negligible). The change at theta0 = 90 is given beside it.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Leaving out the waves of the peak and pairing with the whole sea shows what comes from the peak alone, at shells
+    where the geometry says that nothing should.
+    """
     waves = CLEAR_OF_PEAK.components(0)
     peak = peak_waves(waves)
     nearest = float(min(np.abs(waves.kx[peak]).min(), np.abs(waves.ky[peak]).min()))

@@ -1,4 +1,9 @@
-"""Where the claims get their numbers: ensembles of the paper's chain, computed when asked for and kept."""
+"""Where the claims get their numbers: ensembles of the paper's chain, computed when asked for and kept.
+
+A claim asks for a configuration, a window, a method and a setting; what was computed for one claim serves the others,
+and what `leakref reproduce` has left in the folder serves as well. Settings other than the paper's (`Setting`) have
+files of their own. What is made of the ensembles is in `words` and in the claims.
+"""
 
 from __future__ import annotations
 
@@ -38,7 +43,11 @@ _PEAK = 0.1  # "about" k = 1: within 10 %
 @dataclass(frozen=True)
 class Setting:
     """What is done otherwise than in the paper's table: the `width` a in domega, the LS `threshold`, the sea
-    `without_peak`, and whether the images, not the sea, are turned by the configuration's rotation (`resampled`)."""
+    `without_peak`, and whether the images, not the sea, are turned by the configuration's rotation (`resampled`).
+
+    `width` is a of eq:DSVkernel in frequency bins, `threshold` the part of the largest power from which LS takes a bin.
+    The paper's are `PLAIN`.
+    """
 
     width: float = nsp.WIDTH
     threshold: float = leastsquares.THRESHOLD
@@ -47,6 +56,7 @@ class Setting:
 
 
 PLAIN = Setting()
+"""The paper's own."""
 
 
 def peak_waves(waves: Components) -> np.ndarray:
@@ -55,7 +65,11 @@ def peak_waves(waves: Components) -> np.ndarray:
 
 
 class Evidence:
-    """`evidence(configuration, window)` is an Ensemble of `realizations`, computed once and kept in `folder`."""
+    """`evidence(configuration, window)` is an Ensemble of `realizations`, computed once and kept in `folder`.
+
+    A call takes a configuration, a window, and optionally method and setting. `executor` is as in `runs.run`.
+    LeakrefError is raised for fewer than two realisations, since one has no spread.
+    """
 
     def __init__(self, realizations: int, folder: Path | None = None, executor: Executor | None = None) -> None:
         if realizations < 2:
@@ -78,7 +92,10 @@ class Evidence:
         return named_window(name)
 
     def seconds(self, configuration: Configuration) -> dict[str, FloatArray]:
-        """Seconds per shell (n,) of NSP and of LS on one spectrum of this machine, see `_timed`."""
+        """Seconds per shell (n,) of NSP and of LS on one spectrum of this machine, see `_timed`.
+
+        Measured once for each configuration, whatever the executor does meanwhile: they are of this process.
+        """
         if configuration not in self._seconds:
             self._seconds[configuration] = _timed(configuration)
         return self._seconds[configuration]
@@ -125,7 +142,9 @@ def source_digest() -> str:
 def kept_velocities(
     path: Path | None, about: kept.About, shape: tuple[int, ...], compute: Callable[..., FloatArray], *given: Any
 ) -> FloatArray:
-    """Velocities from the file `path` if they are there, else `compute(*given)` in one thread, and left there."""
+    """Velocities from the file `path` if they are there, else `compute(*given)` in one thread, and left there. `path`
+    None keeps nothing. `shape` is what `compute` returns; a file of another shape, or of another `about`, is not taken.
+    """
     found = path and kept.arrays(path, about, velocities=shape)
     if found:
         return found["velocities"]
@@ -154,6 +173,9 @@ def resampled(configuration: Configuration, realization: int) -> FloatArray:
     """Every image turned by cubic splines about the centre of the domain.
 
     The camera first sees a larger square, so that what is cut out after the turn has all its corners.
+
+    Returned are velocities (w, m, n, 2) in the frame of the turned images, by the plain chain. Images are interpolated,
+    so that the shortest waves are damped; that is what is to be seen.
     """
     waves = replace(configuration, rotation=0.0).components(realization)
     grid, angle = configuration.grid, np.radians(configuration.rotation)
@@ -178,7 +200,9 @@ def resampled(configuration: Configuration, realization: int) -> FloatArray:
 
 def _timed(configuration: Configuration, repeats: int = 3) -> dict[str, FloatArray]:
     """Seconds per shell, the best of `repeats`, (n,) each: the bins picked, and the current found by NSP, by LS in
-    closed form and by LS with Nelder-Mead, as the paper has it."""
+    closed form and by LS with Nelder-Mead, as the paper has it. Shells are picked once before the timings of the
+    extractions, which are on the same shells.
+    """
     k, dk = configuration.wavenumbers, configuration.grid.wavenumber_resolution
     spectrum = leakage.spectrum(
         configuration.components(0), configuration.grid, "hann", largest_wavenumber=float(k.max()) + 3 * dk

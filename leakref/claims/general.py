@@ -1,4 +1,15 @@
-"""G: what is said of all cases together."""
+"""G: what is said of all cases together.
+
+Six statements, G1 to G6, of the abstract and the conclusions. They are tested on all configurations of the paper's
+table, or on those that they name.
+
+- G1: narrower spectra have larger biases.
+- G2: a window helps in nearly all cases.
+- G3: a window against limited resolution in space and in time: two statements that contradict each other.
+- G4: the resolutions are conservative bounds for tapered data.
+- G5: biases are worst at low wavenumbers.
+- G6: poor resolution makes narrow seas unusable.
+"""
 
 from __future__ import annotations
 
@@ -46,6 +57,7 @@ _STILL = tuple(c for c in _ALL if not c.speed)
     "1, 3.3, 7 (case-gamma), paired; untapered and Hann.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Direction and frequency are two parts of one reading: either alone is not what is said."""
     for window in WINDOWS:
         direction = [
             above(bias(see(sea(angle, a), window)) - bias(see(sea(angle, b), window)))
@@ -66,6 +78,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "in nearly all cases, that is about all, 90 %; cases counted as configurations (mean over shells) or as shells.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Nearly all is taken for nine in ten, as *about* is within a tenth."""
     for words, of in {**MEASURES, "random part": random}.items():
         gains = [of(see(one, "box")) - of(see(one, "hann")) for one in _ALL]
         for counted, samples in (("configurations", [gain.over() for gain in gains]), ("shells", gains)):
@@ -76,6 +89,7 @@ def _(see: Evidence) -> Iterator[Reading]:
 
 
 def _nearly_all(tally: Tally) -> bool | None:
+    """Shown in nine cases of ten, or open if those that are open could make it so."""
     shown, open_ones = int(tally.shown.sum()), int((~tally.shown & ~tally.contradicted).sum())
     if shown >= 0.9 * tally.size:
         return True
@@ -101,6 +115,9 @@ def _influence(see: Evidence, window: str, pairs: list[tuple[Configuration, Conf
     "left, or less than the smaller resolution at the peak for L = 20, T = 80. They contradict: two statements.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """The abstract and the conclusions say opposite things of time and space, so that each is a reading of its own, and
+    no reading can make both hold.
+    """
     durations = (10.0, 20.0, 80.0)
     in_space = [(domain(a, t), domain(b, t)) for (a, b), t in product(pairwise(LENGTHS), durations)]
     in_time = [(domain(length, a), domain(length, b)) for (a, b), length in product(pairwise(durations), LENGTHS)]
@@ -150,6 +167,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "in c0 or in units of the smaller resolution; still water, counted by configuration; untapered and Hann.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Where k < 1 is compared with the peak, shells near the peak are on one side only."""
     bands = {"the peak": NEAR, "k > 1": ABOVE}
     for unit, (words, band), window in product(("c0", "the resolution"), bands.items(), WINDOWS):
         parts = []
@@ -169,6 +187,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "poorest (L = 5; T = 10) it is unusable: above the smaller or larger resolution at most shells.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """The rise is tested between neighbours, that it is unusable at the poorest resolution only."""
     of_length = [narrow_domain(20.0, 20.0), sea(60, 15), narrow_domain(5.0, 20.0)]
     of_duration = [narrow_domain(10.0, 80.0), sea(60, 15), narrow_domain(10.0, 10.0)]
     for (words, series), (resolution, choose) in product(

@@ -1,4 +1,13 @@
-"""N: the normalized scalar product against least squares (case-NSP-LS, sec:LSvsNSP)."""
+"""N: the normalized scalar product against least squares (case-NSP-LS, sec:LSvsNSP).
+
+Six statements, N1 to N6, on the one sea of that case. Where the threshold of LS could be read in two ways (D7) both are
+readings; N6 is a timing of this machine.
+
+- N1: LS exceeds the resolutions at most wavenumbers.
+- N2, N3, N4: NSP is fine above the peak, worse than LS below it, where both are unusable.
+- N5: LS is never better for practical purposes.
+- N6: LS is up to three times faster.
+"""
 
 from __future__ import annotations
 
@@ -51,6 +60,7 @@ def _over_limit(e: Ensemble, level: Sample, resolution: str, band: Band) -> Tall
     "of the shells; untapered and Hann. LS keeps bins above 0.2 of the largest P of the shell, or of sqrt P (D7).",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Both resolutions and one of them are readings of the plural."""
     levels = {"mean": STATISTICS["bias"], "1 sd": random, "2 sd": lambda e: 2 * random(e)}
     for (cut, setting), (level, of), resolution, window in product(
         _THRESHOLDS.items(), levels.items(), ("larger", "smaller"), WINDOWS
@@ -85,6 +95,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "Bias, or random part, of NSP above that of LS at k < 1, paired; untapered and Hann.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Worse in the mean, or worse in scatter."""
     for (cut, setting), (words, of), window in product(_THRESHOLDS.items(), STATISTICS.items(), WINDOWS):
         worse = of(see(_CASE, window)) - of(see(_CASE, window, "ls", setting))
         yield from either(
@@ -118,6 +129,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "none significantly better; untapered and Hann.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Where neither has a number nothing is counted as better."""
     bands = {"k > 1": ABOVE, "k < 1": BELOW}
     for (cut, setting), (band, inside), window in product(_THRESHOLDS.items(), bands.items(), WINDOWS):
         nsp, ls = see(_CASE, window), see(_CASE, window, "ls", setting)
@@ -145,6 +157,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "closed form. A timing: it changes from run to run.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """A timing has no sampling error that is known: it holds or does not, of this run."""
     seconds = see.seconds(_CASE)
     for words, shared in (("with picking the bins", seconds["shell"]), ("alone", 0.0)):
         for name in ("ls by Nelder-Mead", "ls"):

@@ -1,4 +1,12 @@
-"""P: peakedness (case-gamma; sec:peakedness)."""
+"""P: peakedness (case-gamma; sec:peakedness).
+
+Six statements, P1 to P6, on seas that differ in gamma and spread.
+
+- P1, P2: a larger gamma makes narrow seas worse, and wide ones hardly.
+- P3: above 45 degrees of spread nothing changes any more, at this resolution.
+- P4: untapered, nothing below the peak can be relied on.
+- P5, P6: tapered, even the most peaked and narrow sea is below resolution, and the spread does not matter.
+"""
 
 from __future__ import annotations
 
@@ -43,6 +51,7 @@ _PARTS = {name.replace(" ", "_"): of for name, of in STATISTICS.items()}
     "and Hann.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """The paper shows three values of gamma and speaks of a larger one: from the least to the largest, or by steps."""
     for words, steps in (("1 to 7", [(1.0, 7.0)]), ("each", list(pairwise(GAMMAS)))):
         for window in WINDOWS:
             yield from every(
@@ -68,6 +77,9 @@ def _(see: Evidence) -> Iterator[Reading]:
     "or mean + 2 sd, is below the smaller or larger resolution. Untapered and Hann.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Three parts that must hold together: most is removed, more of it at high wavenumbers, and there it is below
+    resolution.
+    """
     for window, level, resolution in product(WINDOWS, LEVELS, RESOLUTIONS):
         removed, better_high = [], []
         for of in STATISTICS.values():
@@ -102,6 +114,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "errors.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """That this changes with resolution is part of the statement, and is tested beside it at other lengths."""
     change = {
         length: (bias(see(peaked(45, 3.3, length), "box")) - bias(see(peaked(60, 3.3, length), "box"))).over()
         for length in (5.0, 10.0, 20.0)
@@ -121,6 +134,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "k < 1, or leaving out k about 1 (k < 0.9).",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Whether k < 1 includes the neighbourhood of the peak is left open."""
     bands = {"k < 1": BELOW, "k < 0.9": lambda k: BELOW(k) & AWAY(k)}
     for (band, inside), level, resolution in product(bands.items(), LEVELS, RESOLUTIONS):
         ensembles = [see(peaked(spread, gamma), "box") for spread, gamma in product(SPREADS, GAMMAS)]
@@ -165,6 +179,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "the smaller resolution.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """A difference may be significant and yet too small to matter: the words allow both readings."""
     for words, of in STATISTICS.items():
         insignificant, negligible = [], []
         for gamma, (a, b) in product(GAMMAS, combinations(SPREADS, 2)):

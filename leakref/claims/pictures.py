@@ -1,4 +1,8 @@
-"""The picture of a claim: by how much each comparison behind it holds, at every shell; and that of the decisions."""
+"""The picture of a claim: by how much each comparison behind it holds, at every shell; and that of the decisions.
+
+Pictures are drawn from what a Finding carries, or from the JSON of the decisions: nothing is computed for them. Green
+is shown, red contradicted, grey open, as in `words`.
+"""
 
 from __future__ import annotations
 
@@ -65,11 +69,13 @@ def picture(finding: Finding) -> Figure:
 
 
 def _title(finding: Finding) -> str:
+    """Id, statement and verdict, and on which choices it depends."""
     said = f" {', '.join(finding.depends_on)}" if finding.depends_on else ""
     return f"{finding.claim.id}: {finding.claim.words} — {finding.verdict}{said}"
 
 
 def _panel(ax: Any, tally: Tally) -> None:
+    """One comparison at all its shells; where these have one wavenumber, in the order of the case."""
     by_shell = np.ptp(tally.k) > 0 if tally.size else False
     at = tally.k if by_shell else np.arange(1, tally.size + 1)
     masks = {"shown": tally.shown, "contradicted": tally.contradicted, "open": ~(tally.shown | tally.contradicted)}
@@ -125,11 +131,13 @@ def _list(finding: Finding) -> Figure:
 
 
 def _lines(reading: Reading) -> str:
+    """A reading in words: whether it holds, what was chosen, its figures."""
     figures = ", ".join(f"{name.replace('_', ' ')} {value}" for name, value in reading.figure.items())
     return "\n".join(textwrap.wrap(f"{_ANSWERS[reading.holds]}: {reading.words} ({figures})", 70))
 
 
 def _transforms(ax: Any) -> None:
+    """The windows of fig:leakage_lobes, with the levels that the claims name."""
     v = np.linspace(0, 24, 4801)
     for name, colour in zip(("box", "hann", "blackman"), COLOURS, strict=False):
         taper = window(name)
@@ -151,7 +159,8 @@ def decisions_figure(result: dict[str, Any]) -> Figure:
     """How far each variant moves the velocities, from the JSON of `leakref claims --decisions`, a panel a method.
 
     A line for each variant and window, from the median over a bar to the 95th percentile and a point at the largest
-    shift, in units of the smaller resolution; what is below 1e-8 stands at the left edge.
+    shift, in units of the smaller resolution; what is below 1e-8 stands at the left edge. Dotted is a tenth of the
+    resolution, from where on the claims are judged again.
     """
     methods = {name: record.title for name, record in METHODS.items()}
     rows = {
@@ -204,6 +213,7 @@ def _label(id: str, variant: dict[str, Any]) -> str:
 
 
 def _shift_lines(ax: Any, line: int, rows: list[dict[str, Any]]) -> None:
+    """A line for each window at one variant: bar from the median to the 95th percentile, point at the largest."""
     offsets = np.linspace(-0.16, 0.16, len(rows)) if len(rows) > 1 else [0.0]
     for offset, row in zip(offsets, rows, strict=True):
         if row["unflagged"]["shells"]:

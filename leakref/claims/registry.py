@@ -1,4 +1,15 @@
-"""The register of claims, and what came of them."""
+"""The register of claims, and what came of them.
+
+A claim is a function that yields readings, registered with its words by `claim`. The verdict follows from the readings
+and from nothing else. Modules of claims register on import, in whatever order; `claims.CLAIMS` has them sorted.
+
+A claim in its module reads:
+
+    @claim("R5", "with Hann every bias is well below the resolutions", "sec:resolution", "Mean of |c| ...")
+    def _(see):
+        ensembles = [see(domain(length, t), "hann") for length, t in ...]
+        yield from every({"level": "mean"}, well_below=pooled(*(below(bias(e), ...) for e in ensembles)))
+"""
 
 from __future__ import annotations
 
@@ -18,7 +29,11 @@ Predicate = Callable[[Evidence], Iterable[Reading]]
 
 @dataclass(frozen=True)
 class Claim:
-    """A statement of the paper: its `words` in short, the `label` where it stands, how it is tested."""
+    """A statement of the paper: its `words` in short, the `label` where it stands, how it is tested.
+
+    - `id`: a letter for the group and a number; `label`: the section, figure or abstract of the paper.
+    - `test`: how it is tested, in words; `predicate`: takes the Evidence and yields the readings.
+    """
 
     id: str
     words: str
@@ -27,26 +42,36 @@ class Claim:
     predicate: Predicate
 
     def judge(self, evidence: Evidence) -> Finding:
-        """Evaluate it, on the ensembles it asks for."""
+        """Evaluate it, on the ensembles it asks for. Ensembles that are not there are computed now, which may take
+        long.
+        """
         return Finding(self, tuple(self.predicate(evidence)))
 
 
 @dataclass(frozen=True, eq=False)
 class Finding:
-    """What came of a claim: its readings, the first of which is the nearest to the words."""
+    """What came of a claim: its readings, the first of which is the nearest to the words.
+
+    `readings` come in the order in which the predicate yields them. The verdict is one of `reproduced`, `not
+    reproduced` and `depends on`.
+    """
 
     claim: Claim
     readings: tuple[Reading, ...]
 
     @property
     def verdict(self) -> str:
-        """Reproduced if every reading holds, not reproduced if none does, else it depends."""
+        """Reproduced if every reading holds, not reproduced if none does, else it depends. A reading that is open makes
+        it depend, on the sampling error.
+        """
         answers = {reading.holds for reading in self.readings}
         return REPRODUCED if answers == {True} else NOT_REPRODUCED if answers == {False} else DEPENDS
 
     @property
     def depends_on(self) -> list[str]:
-        """The choices that alone change the answer; the sampling error where it leaves one open."""
+        """The choices that alone change the answer; the sampling error where it leaves one open. In the order of the
+        readings. Two choices that only together change it are not named.
+        """
         found = []
         for name in dict.fromkeys(name for reading in self.readings for name in reading.choices):
             answers: dict[str, set[bool | None]] = {}
@@ -76,7 +101,10 @@ CLAIMS: dict[str, Claim] = {}
 
 
 def claim(id: str, words: str, label: str, test: str) -> Callable[[Predicate], Predicate]:
-    """Register the function below as the predicate of a claim."""
+    """Register the function below as the predicate of a claim.
+
+    `words` are the statement in short, `label` where it stands. Two claims of one id are a fault of ours, an assertion.
+    """
 
     def register(predicate: Predicate) -> Predicate:
         assert id not in CLAIMS, id
@@ -92,7 +120,9 @@ def position(id: str) -> tuple[int, int]:
 
 
 def select(ids: Sequence[str]) -> list[Claim]:
-    """The claims named, one by one or by the letter of their group; all in order if none is. Raises LeakrefError."""
+    """The claims named, one by one or by the letter of their group; all in order if none is. Raises LeakrefError.
+    Letters may be small.
+    """
     found: dict[str, Claim] = {}
     for name in ids or sorted(CLAIMS, key=position):
         matching = {key: CLAIMS[key] for key in sorted(CLAIMS, key=position) if name.upper() in (key, key[0])}

@@ -1,4 +1,15 @@
-"""R: resolution in wavenumber and frequency (case-L-T; sec:resolution)."""
+"""R: resolution in wavenumber and frequency (case-L-T; sec:resolution).
+
+Seven statements, R1 to R7, on domains of different length and duration. Wavenumbers that two domains do not share are
+left out of their comparison.
+
+- R1, R6: finer resolution lowers biases, a larger domain more than a longer video.
+- R2: the worst wavenumber moves up as the video gets shorter.
+- R3: tapered, the duration hardly matters.
+- R4: a long video of a small domain is worse than a short one.
+- R5: tapered, all is well below the resolutions.
+- R7: five periods do as well as ten.
+"""
 
 from __future__ import annotations
 
@@ -64,6 +75,7 @@ def _larger_helps_more(see: Evidence, window: str, exchange: str) -> Tally:
     "times the duration.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """The exchange of side against duration is a choice: twice the side is four times the data."""
     finer_dk = [
         above(bias(see(domain(a, t), "box")) - bias(see(domain(b, t), "box")))
         for (a, b), t in product(pairwise(LENGTHS), _DURATIONS)
@@ -97,6 +109,7 @@ def _peak(e: Ensemble, band: Band) -> FloatArray:
     "with each step T 80, 20, 10, for every L; errors from 200 paired resamplings of the realisations.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """A position of a maximum has no standard error of its own: it is that over resampled ensembles, paired."""
     for words, band in (("k > 1", ABOVE), ("all", ALL)):
         at = {(length, t): _peak(see(domain(length, t), "box"), band) for length, t in product(LENGTHS, _DURATIONS)}
         moves = np.array([at[length, a] - at[length, b] for length, (a, b) in product(LENGTHS, pairwise(_DURATIONS))])
@@ -115,6 +128,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "or smaller than those between neighbouring L at equal T.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Closer than others is measured against the nearest length there is on either side."""
     reduced, alone, closer = [], [], []
     for length, (a, b) in product(LENGTHS, combinations(_DURATIONS, 2)):
         box, hann = (bias(see(domain(length, a), w)) - bias(see(domain(length, b), w)) for w in WINDOWS)
@@ -158,6 +172,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "shell of all of the case.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Well below is taken for below by a tenth of it, as *about* is within a tenth."""
     for (level, of), (resolution, choose) in product(LEVELS.items(), RESOLUTIONS.items()):
         ensembles = [see(domain(length, t), "hann") for length, t in product(LENGTHS, _DURATIONS)]
         yield from every(
@@ -174,6 +189,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "four times the duration; untapered and Hann.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Twice the side against twice the duration, or the same amount of data: the words leave that open."""
     for exchange, window in product(_EXCHANGES, WINDOWS):
         yield from either(
             {"compared by": exchange, "window": window}, larger_domain=_larger_helps_more(see, window, exchange)
@@ -188,6 +204,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "and Hann.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Not significant, and significant but below the resolution, are two readings of *relevant*."""
     for window in WINDOWS:
         pairs = [(see(domain(length, 5.0), window), see(domain(length, 10.0), window)) for length in LENGTHS]
         insignificant = pooled(*(alike(bias(a) - bias(b), smaller(b)) for a, b in pairs))

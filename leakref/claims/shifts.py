@@ -1,4 +1,9 @@
-"""How far the velocities move if a decision is taken otherwise, and what becomes of the claims."""
+"""How far the velocities move if a decision is taken otherwise, and what becomes of the claims.
+
+Every variant of a decision is an altered chain (`variants`), and is run on the same seas as the reference. `study`
+gives the shift of every velocity, `summary` a row of the table, and `rejudged` evaluates the claims by the velocities
+of those variants that move some of them. Used by `leakref claims --decisions`; the results kept are `stored`'s.
+"""
 
 from __future__ import annotations
 
@@ -34,6 +39,7 @@ _SHARE = 0.1  # of the smaller resolution: a variant that moves a velocity by mo
 def _spectra(
     configuration: Configuration, realization: int, windows: tuple[str, ...], radius: float
 ) -> dict[str, FloatArray]:
+    """Magnitudes by the package's own chain, the last four kept: variants that leave spectra alone share them."""
     grid, tapers = configuration.grid, [named_window(name) for name in windows]
     return spectra.magnitudes(configuration.components(realization), grid, tapers, spectra.Disc(grid, radius))
 
@@ -88,7 +94,10 @@ def _source_digest() -> str:
 
 
 def _about(variant: Variant, configuration: Configuration, setting: Setting, windows: Sequence[str]) -> dict[str, Any]:
-    """What velocities under a variant depend on."""
+    """What velocities under a variant depend on.
+
+    Changes by their text, so that a variant whose changes are edited is another one.
+    """
     return {
         "changes": [asdict(change) for change in (*variant.changes, *variant.fast)],
         "methods": variant.methods,
@@ -145,8 +154,10 @@ def _turned_back(values: FloatArray, degrees: float) -> FloatArray:
 class Shifts:
     """How far one variant moves what one window and method give, shell by shell: against a reference Ensemble.
 
-    `moved` (R, n) is |c' - c| in c0, `share` the same over the smaller resolution, `flagged` (R, n) where the
-    reference has a note, `better` (R, n) the error |c' - U| less |c - U|.
+    `moved` (R, n) is |c' - c| in c0, `share` the same over the smaller resolution, `flagged` (R, n) where the reference
+    has a note, `better` (R, n) the error |c' - U| less |c - U|. Velocities are compared in the frame of the sea before
+    its rotation, so that a rotation the other way (D23) is no shift by itself. `lost` (R, n) is where the variant has
+    no number and the reference has one.
     """
 
     def __init__(self, variant: Variant, reference: Ensemble, other: FloatArray) -> None:
@@ -163,6 +174,7 @@ class Shifts:
 
 
 def _figures(value: Any) -> float | None:
+    """Three digits, None where there is no number."""
     return float(f"{value:.3g}") if np.isfinite(value) else None
 
 
@@ -218,7 +230,8 @@ def study(
 ) -> dict[str, list[list[Shifts]]]:
     """For each variant, a list for each configuration on which it acts of the Shifts of each window and method.
 
-    Resumed from `folder`, which may be that of `leakref reproduce`; there the references are found too.
+    Resumed from `folder`, which may be that of `leakref reproduce`; there the references are found too. Order is that
+    of `ids`. `realizations` is a most: a variant may ask for fewer.
     """
     wanted, tasks = list(variants), []
     found: dict[tuple[str, str], list[FloatArray]] = {}
@@ -347,6 +360,7 @@ def rejudged(
 
     A claim depends on a decision if a reading of it that held does not hold any more, or the reverse. Those that ask
     for other configurations than `ids`, or for no velocities at all, are left out. Calls `after_each` for every claim.
+    Each record has the claim's and the variant's id, both verdicts, the first figure, and the readings that turned.
     """
     results = []
     kept, altered = Evidence(realizations, folder, executor), _Velocities(variants, realizations, folder, executor)

@@ -1,4 +1,8 @@
-"""Every decision's variants: what another reader of the paper might have done, as changes to the chain."""
+"""Every decision's variants: what another reader of the paper might have done, as changes to the chain.
+
+Each is written as changes to the text of the literal chain and, where the compiled one does not follow by itself, of
+that too; tests hold the two against each other. A decision without a variant stands in `NONE`, with the reason.
+"""
 
 from __future__ import annotations
 
@@ -31,6 +35,13 @@ class Variant:
     it acts on no other sea. If not `paired`, the waves are others, so that only statistics can be compared. `sense` is
     that of the rotation of the sea. Where the change is one of the data and not of the chain, it is a `setting`.
     `realizations` are the most that are worth while.
+
+    Tests hold the two altered chains to each other's velocities.
+
+    - `id`: what `leakref claims --decisions` and `leakref explain` call it; `decision`: the id of the one it goes
+      against.
+    - `methods`: those whose velocities it may change; the others are not computed.
+    - `needs`: `speed`, `rotation`, or empty.
     """
 
     id: str
@@ -53,7 +64,9 @@ class Variant:
         return altered((*self.changes, *self.fast), fast=True)
 
     def acts_on(self, configuration: Configuration) -> tuple[str, ...]:
-        """The windows of a configuration under which it changes anything: none, one, the tapers, or all."""
+        """The windows of a configuration under which it changes anything: none, one, the tapers, or all. A variant
+        tried on Hann acts on all tapers.
+        """
         if self.needs and not getattr(configuration, self.needs):
             return ()
         if "box" in self.windows:
@@ -71,7 +84,11 @@ def _one(module: str, old: str, new: str) -> tuple[Change, ...]:
 
 
 def _simplex(options: str) -> tuple[tuple[Change, ...], tuple[Change, ...]]:
-    """C minimised by Nelder-Mead: over the bins themselves, and as the parabola that it is."""
+    """C minimised by Nelder-Mead: over the bins themselves, and as the parabola that it is.
+
+    The second pair of changes is for the compiled chain, where C is known as a parabola about its minimum and is
+    minimised by the same search.
+    """
     scipy = "import numpy as np\nfrom scipy.optimize import minimize\n"
     rest = f'np.zeros(2), method="Nelder-Mead", options={{{options}}}).x'
     return ((Change("leastsquares", "import numpy as np\n", scipy),

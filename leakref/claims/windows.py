@@ -1,4 +1,15 @@
-"""W: what the paper says about windows (sec:leakage, app:window_comparison, app:numdetails)."""
+"""W: what the paper says about windows (sec:leakage, app:window_comparison, app:numdetails).
+
+Nine statements, W1 to W9. Most are about the windows themselves and need no sea: their transforms are looked at in
+bins, over their value at zero.
+
+- W1: how far the box leaks.
+- W2, W3, W5: Blackman's lines, its sidelobes, its width against Hann's.
+- W4: Hann at long and short range.
+- W6, W7: the width a of eq:DSVkernel, fitted and varied.
+- W8: in two dimensions leakage runs along the axes.
+- W9: velocities under three tapers.
+"""
 
 from __future__ import annotations
 
@@ -36,7 +47,7 @@ _FAR = 64.0
 
 
 def lobes(window: Window) -> tuple[FloatArray, FloatArray]:
-    """Offsets v in bins, and |transform| there, 1 at v = 0."""
+    """Offsets v in bins, and |transform| there, 1 at v = 0. (64001,) each, from 0 to 64 bins, a thousandth apart."""
     v = np.linspace(0.0, _FAR, 64_001)
     return v, np.abs(window.transform(v) / window.transform(0.0))
 
@@ -65,6 +76,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "others. Sampled as t/T is printed, n/N, and the other way, n/(N-1).",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """A periodic sampling has exactly three lines on either side; a symmetric one has a little everywhere."""
     for sampling in ("periodic", "symmetric"):
         lines = np.abs(np.fft.rfft(see.window("blackman").samples(_BINS, symmetric=sampling == "symmetric")))
         lines /= lines[0]
@@ -96,6 +108,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "three bins on (the caption of fig:leakage_lobes calls one and two bins short range); above 1 % at one bin.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """That it leaks at one bin belongs to the statement, and must hold in both readings."""
     v, height = lobes(see.window("hann"))
     near = float(height[np.searchsorted(v, 1.0)])
     for words, start in (("more than 2 bins away", 2.0), ("3 bins away or more", 3.0)):
@@ -108,6 +121,7 @@ def _(see: Evidence) -> Iterator[Reading]:
 
 
 def _first_zero(v: FloatArray, height: FloatArray) -> float:
+    """The first place where the transform all but vanishes, in bins."""
     falling = np.flatnonzero((height[1:-1] < 1e-3) & (height[1:-1] <= height[:-2]) & (height[1:-1] <= height[2:]))
     return float(v[falling[0] + 1])
 
@@ -120,6 +134,7 @@ def _first_zero(v: FloatArray, height: FloatArray) -> float:
     "height, at a tenth and at a hundredth.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """The statement names no level, so that there is a reading for each."""
     curves = [lobes(see.window(name)) for name in ("blackman", "hann")]
     for words, level in (
         ("zeros", 0.0),
@@ -141,6 +156,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "a within 2 % of 1.62.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Four fits: the words leave open how far the lobe is fitted, and whether its height is."""
     v, height = lobes(see.window("hann"))
     for words, end in (("central lobe", _first_zero(v, height)), ("20 bins", 20.0)):
         on = v <= end
@@ -153,6 +169,7 @@ def _(see: Evidence) -> Iterator[Reading]:
 
 
 def _gaussian(v: FloatArray, a: float, height: float = 1.0) -> FloatArray:
+    """G of eq:DSVkernel as a function of the offset v in bins, a in bins."""
     return height * np.exp(-2 * (v / a) ** 2)
 
 
@@ -165,6 +182,7 @@ def _gaussian(v: FloatArray, a: float, height: float = 1.0) -> FloatArray:
     "(theta0 = 90, spread 60 degrees) and narrow one (60, 15), L = 10, T = 20.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Stable may mean little scatter from sea to sea, or little change with a."""
     for words, one in (("normal", domain(10.0, 20.0)), ("narrow", sea(60.0, 15.0))):
         for window in WINDOWS:
             found = {a: see(one, window, setting=Setting(width=float(a))) for a in range(2, 7)}
@@ -198,6 +216,7 @@ def _envelope(window: Window, v: FloatArray) -> FloatArray:
     "lobe about an axis, smallest within 1 degree of the diagonal. Box, as in the text, and Hann.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Envelopes, not transforms, are compared: zeros between lobes would make any direction the smallest somewhere."""
     angle = np.radians(np.arange(0, 91))
     for window in WINDOWS:
         taper = see.window(window)

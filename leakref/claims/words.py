@@ -60,15 +60,17 @@ __all__ = [
 ]
 
 WINDOWS = ("box", "hann")
+"""Untapered and tapered, as most statements compare them."""
 Answer = bool | None
 """Holds, does not hold, or None: the sampling error does not tell."""
 Band = Callable[[FloatArray], Any]
+"""Takes wavenumbers (n,) in `k0` and says of each whether it is inside."""
 Mask = Any
 _ROUNDING = 1e-9
 
 
 def BELOW(k: FloatArray) -> Mask:
-    """k < 1."""
+    """k < 1. True or False for each wavenumber, in `k0`, as of all bands; the peak itself belongs to neither side."""
     return k < 1 - _ROUNDING
 
 
@@ -94,7 +96,11 @@ def ALL(k: FloatArray) -> Mask:
 
 @dataclass(frozen=True, eq=False)
 class Sample:
-    """Values (R, n) at wavenumbers `k` (n,), whose means over the R realisations are in question."""
+    """Values (R, n) at wavenumbers `k` (n,), whose means over the R realisations are in question.
+
+    A statistic that is no mean is written as one, by the influence of each realisation (`deviation`, `direction`,
+    `ratio`), so that every comparison has a standard error, and a paired one where the seas share phases.
+    """
 
     k: FloatArray
     values: FloatArray
@@ -114,7 +120,9 @@ class Sample:
         return np.where(count < 2, np.nan, np.sqrt(square / np.maximum(count - 1, 1) / np.maximum(count, 1)))
 
     def __add__(self, other: Sample) -> Sample:
-        """At the wavenumbers and in the realisations that both have."""
+        """At the wavenumbers and in the realisations that both have. Where one of the two has no number, the sum has
+        none.
+        """
         mine, theirs = np.nonzero(np.abs(self.k[:, None] - other.k) < 1e-6)
         rows = min(len(self.values), len(other.values))
         return Sample(self.k[mine], self.values[:rows, mine] + other.values[:rows, theirs])
@@ -131,7 +139,9 @@ class Sample:
         return Sample(self.k[inside], self.values[:, inside])
 
     def over(self, band: Band = ALL) -> Sample:
-        """The mean over the shells of a band: one value a realisation, (R, 1)."""
+        """The mean over the shells of a band: one value a realisation, (R, 1). NaN where one of the shells has no
+        number.
+        """
         chosen = self.at(band)
         return Sample(np.zeros(1), chosen.values.mean(axis=1, keepdims=True))
 
@@ -143,7 +153,9 @@ def bias(e: Ensemble) -> Sample:
 
 def deviation(sample: Sample) -> Sample:
     """Its mean is the standard deviation s of `sample` (n - 1): s + ((x - mean)^2 n / (n - 1) - s^2) / 2 s, by which
-    the error of s, and of differences between paired ones, is that of a mean."""
+    the error of s, and of differences between paired ones, is that of a mean. Values are the influence of each
+    realisation on s.
+    """
     count = np.isfinite(sample.values).sum(axis=0)
     s = sample.error * np.sqrt(count)
     square = (sample.values - sample.mean) ** 2 * count / np.maximum(count - 1, 1)
@@ -156,10 +168,11 @@ def random(e: Ensemble) -> Sample:
 
 
 STATISTICS: dict[str, Callable[[Ensemble], Sample]] = {"bias": bias, "random part": random}
+"""The two parts of an error that the paper shows, as samples whose means they are."""
 
 
 def missed(e: Ensemble) -> Sample:
-    """Its mean is that of |c - U|."""
+    """Its mean is that of |c - U|. In `c0`; in still water it is `bias`."""
     return Sample(e.wavenumbers, np.hypot(*np.moveaxis(e.velocities - e.configuration.current, -1, 0)))
 
 
@@ -188,7 +201,7 @@ def smaller(e: Ensemble) -> FloatArray:
 
 
 def along(e: Ensemble, angle: float) -> Sample:
-    """Component along `angle` (degrees)."""
+    """Component along `angle` (degrees). In `c0`, positive that way."""
     return Sample(e.wavenumbers, e.velocities @ [np.cos(np.radians(angle)), np.sin(np.radians(angle))])
 
 
@@ -198,7 +211,9 @@ def across(e: Ensemble, angle: float) -> Sample:
 
 
 def direction(e: Ensemble, angle: float) -> Sample:
-    """Its mean is the direction of the mean vector, degrees from `angle` in -180 ... 180; linear in what deviates."""
+    """Its mean is the direction of the mean vector, degrees from `angle` in -180 ... 180; linear in what deviates. The
+    values are the tangent at the means, so that their standard error is that of the angle to first order.
+    """
     u, v = along(e, angle), across(e, angle)
     x, y = u.mean, v.mean
     length = np.maximum(x**2 + y**2, 1e-300)
@@ -219,7 +234,11 @@ def ratio(part: Sample, whole: Sample) -> Sample:
 
 @dataclass(frozen=True, eq=False)
 class Tally:
-    """A comparison at each shell: it holds by `margin` (n,), known to one standard `error` (n,)."""
+    """A comparison at each shell: it holds by `margin` (n,), known to one standard `error` (n,).
+
+    `margin` is in the unit of what is compared, positive where it holds. What is neither `shown` nor `contradicted` is
+    open. Shells without a number are left out.
+    """
 
     k: FloatArray
     margin: FloatArray
@@ -278,7 +297,9 @@ def below(sample: Sample, limit: float | FloatArray = 0.0) -> Tally:
 
 
 def significant(difference: Sample, resolution: FloatArray) -> Tally:
-    """The mean difference, of either sign, is over two standard errors and over 10 % of `resolution`."""
+    """The mean difference, of either sign, is over two standard errors and over 10 % of `resolution`. Both are tested:
+    what is not significant is contradicted, there is nothing open.
+    """
     size, error = np.abs(difference.mean), np.nan_to_num(difference.error)
     limit = np.maximum(2 * error, 0.1 * resolution)
     return _tally(difference.k, size - limit, error, size > limit, size <= limit)
@@ -291,7 +312,7 @@ def alike(difference: Sample, resolution: FloatArray) -> Tally:
 
 
 def within(difference: Sample, limit: float | FloatArray) -> Tally:
-    """The mean difference, of either sign, is at most `limit`."""
+    """The mean difference, of either sign, is at most `limit`. As `below` it may be open."""
     return below(magnitude(difference), limit)
 
 
@@ -302,7 +323,13 @@ def pooled(*tallies: Tally) -> Tally:
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """One way to read a statement: what is chosen, whether it then holds, the figure, and the comparisons behind."""
+    """One way to read a statement: what is chosen, whether it then holds, the figure, and the comparisons behind.
+    `holds` None is open.
+
+    - `choices`: by name what was chosen where the words leave it open, for instance `window: hann`.
+    - `figure`: plain values for the JSON, counts of shells as `Tally.figure` has them.
+    - `tallies`: the comparisons by name, for the picture.
+    """
 
     choices: Mapping[str, str]
     holds: Answer
@@ -336,6 +363,8 @@ def most(choices: Mapping[str, str], **parts: Tally) -> Iterator[Reading]:
 
 
 def either(choices: Mapping[str, str], **parts: Tally) -> Iterator[Reading]:
-    """For a statement that does not say: a reading for each."""
+    """For a statement that does not say: a reading for each. So the verdict depends on that choice if the answers
+    differ.
+    """
     yield from every({**choices, "holds at": "every shell"}, **parts)
     yield from most({**choices, "holds at": "most shells"}, **parts)

@@ -1,4 +1,9 @@
-"""What all commands share: the application, how a command ends, and options that several have."""
+"""What all commands share: the application, how a command ends, and options that several have.
+
+Commands are registered by `command`, a decorator that turns what the body returns, or raises, into an exit status
+(`_exits.status_of`). The modules beside this one have a function for each command, which imports what does the work
+only when it is called, so that `leakref --help` stays quick.
+"""
 
 from __future__ import annotations
 
@@ -49,7 +54,11 @@ def _options(
 def command(
     panel: str | None, name: str | None = None, group: typer.Typer = app
 ) -> Callable[[Callable[..., bool | int]], Callable[..., None]]:
-    """A command of `group` whose body returns whether it holds, exit status 0 or 1, or the status itself."""
+    """A command of `group` whose body returns whether it holds, exit status 0 or 1, or the status itself.
+
+    `panel` is the heading in the help under which it stands, `name` what it is called if not as its function; the
+    function's docstring is its help. The body may return True, False or a status, or raise anything.
+    """
 
     def register(body: Callable[..., bool | int]) -> Callable[..., None]:
         @group.command(name, rich_help_panel=panel)

@@ -1,4 +1,9 @@
-"""Cubes larger than memory: trend and transform taken a block at a time, only the bins needed kept."""
+"""Cubes larger than memory: trend and transform taken a block at a time, only the bins needed kept.
+
+Used by `leakref extract` for a memory-mapped cube beyond a gigabyte. Results are those of `spectrum.fourier` to
+rounding; only the order of sums differs. It reads each sample once, or twice if a trend is removed, and looks at the
+samples on the way: ones that are not finite are refused with the place where they stand.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +26,10 @@ _BLOCK = 2**26  # bytes of samples, as float64, held at a time
 
 
 def _blocks(surface: Any, size: int) -> Iterator[tuple[int, slice, FloatArray]]:
-    """(axis, slice, finite float64 samples) along the axis that is slowest in the file: reads are in order."""
+    """(axis, slice, finite float64 samples) along the axis that is slowest in the file: reads are in order. A block is
+    a slice along one axis, whole along the others. It ends early at samples that are too large, since their sums would
+    be infinite.
+    """
     strides = getattr(surface, "strides", (3, 2, 1))
     axis = int(np.argmax(np.abs(strides)))
     n = surface.shape[axis]
@@ -46,8 +54,12 @@ def _blocks(surface: Any, size: int) -> Iterator[tuple[int, slice, FloatArray]]:
 def trend(surface: Any, kind: str, *, block: int = _BLOCK) -> FloatArray:
     """The trend of a surface eta[x, y, t] as (mean, bx, by, bt), slopes per sample, by least squares.
 
-    On a full lattice the centred indices are orthogonal to each other and to the mean, so each slope is one sum.
-    Raises LeakrefError for an unknown kind or samples that are not finite.
+    On a full lattice the centred indices are orthogonal to each other and to the mean, so each slope is one sum. Raises
+    LeakrefError for an unknown kind or samples that are not finite.
+
+    `surface` is anything with a shape that can be sliced. Returned are four numbers in the units of the samples: the
+    mean, and what the plane rises by from one sample to the next along x, y and t, counted from the middle of the cube.
+    With `mean` the slopes are zero, with `none` all four. `block` is in bytes of float64.
     """
     if kind not in TRENDS:
         raise LeakrefError("trend", f"no trend is called {kind!r}", f"choose one of {', '.join(TRENDS)}")
@@ -72,7 +84,10 @@ def trend(surface: Any, kind: str, *, block: int = _BLOCK) -> FloatArray:
 def plane(
     coefficients: FloatArray, shape: tuple[int, int, int], axis: int = 0, part: slice | None = None
 ) -> FloatArray:
-    """The trend on a cube of `shape`, or on the `part` of it along `axis`."""
+    """The trend on a cube of `shape`, or on the `part` of it along `axis`.
+
+    `coefficients` are those of `trend`. Returned is an array that can be subtracted, of the shape of the part.
+    """
     x, y, t = (
         b * (np.arange(n) - (n - 1) / 2)[part if a == axis and part else slice(None)]
         for a, (n, b) in enumerate(zip(shape, coefficients[1:], strict=True))
@@ -92,9 +107,13 @@ def fourier_in_blocks(
     """What `spectrum.fourier` gives, to rounding, on the bins with |kx|, |ky| <= `largest_wavenumber` (default all).
 
     `surface` is anything with a shape that can be sliced, for instance memory-mapped; `remove` is a `trend`. The
-    transform is separable: a block along the slowest axis is transformed along the other two, only the
-    bins kept are stored, and the last axis follows at the end. Memory: `block` bytes and some times the bins
-    kept, never the cube. Raises LeakrefError.
+    transform is separable: a block along the slowest axis is transformed along the other two, only the bins kept are
+    stored, and the last axis follows at the end. Memory: `block` bytes and some times the bins kept, never the cube.
+    Raises LeakrefError.
+
+    `largest_wavenumber` is in rad per length, and bins exactly on it are kept. `surface` keeps its own type in the
+    file; blocks of it become float64. LeakrefError is raised for a surface of another shape than the grid's, samples
+    that are not finite, and samples so large or small that their squares would not be numbers.
     """
     if surface.shape != grid.shape:
         raise LeakrefError(

@@ -1,4 +1,9 @@
-"""`leakref export` and `leakref extract`: a cube with a known truth goes out, one's own cube comes in."""
+"""`leakref export` and `leakref extract`: a cube with a known truth goes out, one's own cube comes in.
+
+`extract` reads a cube, removes what trend is asked for, measures, screens if asked to, and prints or writes what it
+found, in the units of the file. It says in notes whatever was done to the samples. All refusals name the file and what
+to do about it. `spectrum_of` is used by others that have a Cube.
+"""
 
 from __future__ import annotations
 
@@ -35,7 +40,11 @@ _PER_LENGTH = {"si": "rad/m", "scaled": "k0", "given": "rad per length"}
 
 
 def spectrum_of(cube: Cube, window: str, trend: FloatArray | None, reach: float | None, *, in_blocks: bool) -> Spectrum:
-    """The spectrum of a cube less its trend, whole or (`in_blocks`) of what lies within `reach`."""
+    """The spectrum of a cube less its trend, whole or (`in_blocks`) of what lies within `reach`.
+
+    `trend` is from `blocks.trend`, None for none; `reach` is the largest wavenumber kept, in rad per length, and counts
+    only `in_blocks`.
+    """
     if in_blocks:
         return blocks.fourier_in_blocks(cube.surface, cube.grid, window, largest_wavenumber=reach, remove=trend)
     eta = cube.surface if trend is None else cube.surface - blocks.plane(trend, cube.grid.shape)
@@ -59,8 +68,15 @@ def extract(
 ) -> bool:
     """The chain on the cube in `file`: print a table or JSON, write everything to `out` if given.
 
-    Returns whether the velocities can be trusted as far as was looked: False if they are untapered and the screen
-    found leakage in them. Raises LeakrefError.
+    Returns whether the velocities can be trusted as far as was looked: False if they are untapered and the screen found
+    leakage in them. Raises LeakrefError.
+
+    `wavenumbers` are a list or a range as typed; without them every dk is taken where there is signal. `rotate` is in
+    degrees and needs `screening`; `spacing` (dx,dy,dt), `axes` and `gravity` go before what the file says; `detrend` is
+    one of `blocks.TRENDS`. Refused are also a cube with no signal at all, and `rotate` for one that is not held in
+    memory. The JSON has `wavenumbers`, `doppler_shift_velocities` (null where there is none), `flags`, both resolutions
+    and `score`, n each; what was `removed`; `verdicts` and `screen` (null if not screened); and in `notes` what was
+    done to the cube.
     """
     named_window(window)
     named_method(method, "extract")
@@ -134,7 +150,11 @@ def extract(
 def _measure(
     cube: Cube, window: str, method: str, asked: FloatArray | None, screening: bool, angle: float | None, detrend: str
 ) -> tuple[Extraction, screen.Screening | None, list[str], FloatArray]:
-    """The velocities, the screening if wanted, what to say, and the trend that was removed (zeros if none)."""
+    """The velocities, the screening if wanted, what to say, and the trend that was removed (zeros if none). In this
+    order: decide whether blocks are needed, remove the trend, transform under the window, choose wavenumbers by where
+    the tapered spectrum has signal, extract, and if asked for screen, turned or not. A cube whose samples are extreme
+    is scaled by a power of two first, which moves no velocity.
+    """
     grid, notes = cube.grid, list(cube.notes)
     in_blocks = isinstance(cube.surface, np.memmap) and 8 * cube.surface.size > IN_MEMORY
     reach = None
@@ -203,6 +223,7 @@ def _rows(velocities: FloatArray) -> list[list[float] | None]:
 
 
 def _screen_record(s: screen.Screening | None, window: str) -> dict[str, Any] | None:
+    """The screening as it stands in the JSON, None if there was none."""
     if s is None:
         return None
     turned = (
@@ -229,6 +250,7 @@ def _screen_record(s: screen.Screening | None, window: str) -> dict[str, Any] | 
 
 
 def _summary(s: screen.Screening) -> str:
+    """The verdicts counted, in a line, and what to do if there is leakage."""
     counts = {v: s.verdicts.count(v) for v in (screen.FINE, screen.LEAKAGE, screen.NO_SIGNAL)}
     said = ", ".join(f"{verdict} at {count}" for verdict, count in counts.items())
     if not counts[screen.LEAKAGE]:
@@ -248,6 +270,9 @@ def _table(
     cube: Cube,
     window: str,
 ) -> Table:
+    """A row a wavenumber: velocity, both resolutions, and if it was screened by how much the taper moves it and the
+    verdict.
+    """
     result = Table(
         title=f"{file.name}: Doppler shift velocities, window {window}, {found.method}, in {UNITS[cube.units]}"
     )
@@ -278,7 +303,9 @@ def _write(
     screened: screen.Screening | None,
     cube: Cube,
 ) -> None:
-    """JSON, CSV, figures, and NetCDF where xarray is there."""
+    """JSON, CSV, figures, and NetCDF where xarray is there. Columns of the CSV are those of the NetCDF file; a number
+    that is not there is an empty cell.
+    """
     from leakref.cubes.figures import extraction_figure, screening_figure
     from leakref.figures import save
 

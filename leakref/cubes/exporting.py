@@ -1,4 +1,8 @@
-"""`leakref export`: a sea of the paper as a cube, for another implementation."""
+"""`leakref export`: a sea of the paper as a cube, for another implementation.
+
+The cube holds what the reference would see, and the file also its truth: the waves, the current and the units. It is
+the way to try a code by hand; judging one is `leakref certify`, which shows it cubes of its own.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +30,14 @@ def export(
     gravity: float | None,
     json: bool,
 ) -> bool:
-    """Write one realisation of a paper case with its truth to `out`; returns True. Raises LeakrefError."""
+    """Write one realisation of a paper case with its truth to `out`; returns True. Raises LeakrefError.
+
+    `case` is the id of one configuration; `realization` counts from 0. `format` is that of the suffix of `out` unless
+    given. With `peak_wavenumber` (rad/m) and `gravity` (m/s2) the cube is in SI, without both in scaled units.
+    LeakrefError is raised for an unknown case or one of several configurations, an unknown format, one of the two
+    alone, a folder in the place of `out`, and NetCDF without its library. The path, the SHA-256 and the sizes are
+    printed.
+    """
     format = format or _SUFFIXES.get(out.suffix.lower(), "npz")
     if format not in files.FORMATS:
         raise LeakrefError("export", f"no format is called {format!r}", f"choose one of {', '.join(files.FORMATS)}")

@@ -1,4 +1,8 @@
-"""Pictures of what was found in a user's cube."""
+"""Pictures of what was found in a user's cube.
+
+Both are drawn for `leakref extract --out`, from what has been computed before; nothing is measured here. Velocities
+keep the units of the file, which stand on the axes.
+"""
 
 from __future__ import annotations
 
@@ -27,6 +31,8 @@ def extraction_figure(
     """Both components of the measured velocity in bands of both resolutions; flagged ones hollow, flags named.
 
     `units` are those of a wavenumber and of a velocity; `current` (2,) is the truth, if known.
+
+    `flags` are names for each wavenumber, `resolutions` the two of eq:dcdwk, (n,) each, the one from frequency first.
     """
     drawing, axes = figure(1, 2, width=8.5, height=4.0, sharey=True)
     k = found.wavenumbers
@@ -65,6 +71,9 @@ def screening_figure(
     """Left: both components untapered and tapered. Right: how far apart they are, the resolutions, the verdicts.
 
     `units` are those of a wavenumber and of a velocity.
+
+    `resolutions` are as in `extraction_figure`. If the cube was turned as well, crosses are how far the untapered
+    velocity then moved, and the dash-dotted line is the larger resolution of the smaller cube.
     """
     drawing, axes = figure(1, 2, width=8.5, height=4.0)
     k = result.wavenumbers

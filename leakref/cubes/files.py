@@ -1,4 +1,15 @@
-"""Cubes in files: npz, mat (v5), NetCDF and memory-mapped npy, read with suspicion and written whole."""
+"""Cubes in files: npz, mat (v5), NetCDF and memory-mapped npy, read with suspicion and written whole.
+
+A file may come from anybody: what it claims is checked before it is believed, and a fault is a LeakrefError with the
+file's name and a remedy. What is written can be read by NumPy, MATLAB, Octave and xarray; guide protocol, section 14,
+lists the variables. Reading the bytes of each format is in `formats`.
+
+A cube read and measured, in the units of its file:
+
+    cube = read(Path("surface.npz"))
+    found = analyse(fourier(cube.surface, cube.grid, "hann"), [0.2, 0.3], gravity=cube.gravity)
+    print(found.velocities)
+"""
 
 from __future__ import annotations
 
@@ -36,8 +47,15 @@ _METRES, _SECONDS = {"m", "metre", "metres", "meter", "meters"}, {"s", "sec", "s
 class Cube:
     """A surface eta[x, y, t] (array, or memory-mapped) on `grid`, and what its file says about it.
 
-    `units`: "si", "scaled" or "given" (the file does not say). `components` and `current` (2,) are the truth, if
-    the file has it. `notes` say what was done to the samples on the way.
+    `units`: "si", "scaled" or "given" (the file does not say). `components` and `current` (2,) are the truth, if the
+    file has it. `notes` say what was done to the samples on the way.
+
+    - `surface`: (nx, ny, nt), float64, or the type in the file if it is memory-mapped.
+    - `gravity`: in the same units of length and time as the grid.
+    - `peak_wavenumber`: rad per length, None if the file does not say.
+    - `components`, `current`: None without a truth; the current is along x and y, going to.
+
+    A current that is not two finite numbers is refused with a LeakrefError.
     """
 
     surface: Any
@@ -55,7 +73,10 @@ class Cube:
 
 
 def of_configuration(configuration: Configuration, realization: int, scales: Scales | None = None) -> Cube:
-    """Surface and truth of one realisation, in scaled units or those of `scales` (SI, unless its gravity is 1)."""
+    """Surface and truth of one realisation, in scaled units or those of `scales` (SI, unless its gravity is 1).
+
+    `realization` counts from 0. The whole surface is made in memory: 176 MB for the paper's L = 10, T = 20.
+    """
     to = scales or Scales()
     waves, grid, c = configuration.components(realization), configuration.grid, configuration.current
     if scales:
@@ -73,6 +94,9 @@ def write(path: Path, cube: Cube, format: str, about: Mapping[str, str] | None =
 
     The variables are those of guide protocol, section 14: eta, x, y, t, gravity, kx, ky, omega, amplitude, phase,
     current, peak_wavenumber and units. Raises LeakrefError.
+
+    `format` is one of `FORMATS`. The path is returned. LeakrefError is raised for another format, for NetCDF without
+    its library, and where nothing can be written.
     """
     if format not in FORMATS:
         raise LeakrefError("write", f"no format is called {format!r}", f"choose one of {', '.join(FORMATS)}")
@@ -110,7 +134,9 @@ def write(path: Path, cube: Cube, format: str, about: Mapping[str, str] | None =
 
 
 def netcdf(dataset: Any) -> bytes:
-    """An xarray.Dataset as NetCDF 4. In memory: HDF5 crashes, at the very end, where a disk is full."""
+    """An xarray.Dataset as NetCDF 4. In memory: HDF5 crashes, at the very end, where a disk is full. The bytes of the
+    file are returned, for `write_whole`.
+    """
     from h5netcdf import File
     from xarray.backends import H5NetCDFStore
 
@@ -164,9 +190,13 @@ def read(
     """The cube in a file, whose kind is told by its first bytes. An npy stays on the disk, memory-mapped.
 
     `spacing` (dx, dy, dt) is needed where there are no coordinates; `axes`, a permutation of "xyt", is the order in
-    which the samples are stored, first index first (default: xyt, or the names of NetCDF's dimensions);
-    `gravity` goes before that of the file. No pickle is ever loaded, and what a header claims is held against the
-    size of the file before anything is read. Raises LeakrefError that names file, fault and remedy.
+    which the samples are stored, first index first (default: xyt, or the names of NetCDF's dimensions); `gravity` goes
+    before that of the file. No pickle is ever loaded, and what a header claims is held against the size of the file
+    before anything is read. Raises LeakrefError that names file, fault and remedy.
+
+    Refused are, among others: no `eta` or one of another number of axes, complex samples, fewer than two along an axis,
+    coordinates that are not uniform or of another length, mixed units, no gravity, and samples that are not finite (of
+    a memory-mapped file these are found when it is transformed).
     """
     path = Path(path)
     return _cube(path, raw_variables(path, KNOWN), spacing, axes, gravity)
@@ -176,7 +206,9 @@ def read(
 def _cube(
     path: Path, raw: dict[str, Any], spacing: Sequence[float] | None, axes: str | None, gravity: float | None
 ) -> Cube:
-    """The checked cube from the variables of a file."""
+    """The checked cube from the variables of a file. Each refusal names the variable and what to do. What is only worth
+    saying (a conversion, a spacing that was given) is a note.
+    """
     notes: list[str] = []
     if "eta" not in raw:
         refuse(
@@ -263,6 +295,7 @@ def _ordered(path: Path, raw: dict[str, Any], axes: str | None) -> Any:
 
 
 def _number(path: Path, name: str, value: npt.ArrayLike) -> float:
+    """One positive number that is in the range of any units. Refuses all else."""
     array = np.asarray(value)
     if array.size != 1 or array.dtype.kind not in "iuf" or not 1 / LARGEST <= array.item() <= LARGEST:
         refuse(path, f"has {name} = {array.tolist()!r:.60}", f"store {name} as one positive number")
@@ -290,7 +323,9 @@ def _units(path: Path, raw: dict[str, Any]) -> str:
 
 
 def _step(path: Path, name: str, values: npt.ArrayLike, shape: tuple[int, ...], axis: int) -> float:
-    """The spacing of a coordinate, the same float that made it where it was made as i d."""
+    """The spacing of a coordinate, the same float that made it where it was made as i d. Steps may differ by `JITTER`
+    of a spacing, as float32 coordinates do. The coordinate may begin anywhere.
+    """
     v = np.ravel(values)
     if v.size != shape[axis]:
         refuse(

@@ -1,6 +1,9 @@
 """The variables of an npz, mat (v5), NetCDF or npy file, read with suspicion.
 
 What a header claims is held against the size of the file before anything is read.
+
+`files` and the exchange with programs under test read through this. Each reader returns raw variables by name and
+judges nothing of what they mean. A damaged file may make a parser raise anything: all of it becomes a LeakrefError.
 """
 
 from __future__ import annotations
@@ -26,7 +29,9 @@ __all__ = ["KNOWN", "WAVES", "TooLarge", "netcdf_library", "raw_variables", "ref
 _DENSEST = 1032  # deflate shrinks no further: what claims to hold more than this many times its bytes cannot
 _HEADER = 1 << 12  # bytes in which a variable says what it is; numpy's own limit is some more
 WAVES = ("kx", "ky", "omega", "amplitude", "phase")
+"""The arrays that describe the waves of a cube with a truth, (n,) each."""
 KNOWN = ("eta", "x", "y", "t", "gravity", *WAVES, "current", "peak_wavenumber", "units", "spacing", "dx", "dy", "dt")
+"""The variables that are looked for in a cube; others are never unpacked."""
 
 
 def netcdf_library() -> Any:
@@ -51,18 +56,26 @@ def variables(
 
     `stream` is the file if it is open already. With `most`, a variable that claims to be more than as many numbers is
     refused, as TooLarge, before anything of it is unpacked. Raises LeakrefError that names file, fault and remedy.
+
+    The type and the shape are those of the file; names that it does not hold are left out.
     """
     return raw_variables(Path(path), names, ("npz", "mat"), stream, most)
 
 
 class TooLarge(LeakrefError):
-    """A file holds more than there can be."""
+    """A file holds more than there can be.
+
+    Raised only where the caller has said how much there can be at `most`: an output under judgement.
+    """
 
 
 def raw_variables(
     path: Path, names: Sequence[str], kinds: Sequence[str] = (), given: BinaryIO | None = None, most: int | None = None
 ) -> dict[str, Any]:
-    """The raw variables of a file, of one of the `kinds` if there are any. Whatever goes wrong is a LeakrefError."""
+    """The raw variables of a file, of one of the `kinds` if there are any. Whatever goes wrong is a LeakrefError. That
+    is but for a fault of the machine (EIO, no more files, no memory), which is a Trouble. `names` are looked for,
+    others are not unpacked. Of a NetCDF file there are also `units of NAME` and `dims`.
+    """
     kind = "a file"
     try:
         if not given and path.exists() and not path.is_file():
@@ -147,7 +160,8 @@ def _claim(
 ) -> None:
     """Refuse what a header claims but the file cannot hold, or memory cannot (a transform needs it four times).
 
-    And what is more than `most` numbers, of 32 bytes or fewer.
+    And what is more than `most` numbers, of 32 bytes or fewer. `available` is what the file has left, in bytes, times
+    what packing can have saved; `loaded` is False for what is mapped.
     """
     count = math.prod(int(n) for n in shape)
     if most is not None and (count > most or count * itemsize > 32 * most):
@@ -189,6 +203,7 @@ def _npy_header(path: Path, name: str, stream: Any) -> tuple[tuple[int, ...], bo
 
 
 def _read_npy(path: Path, stream: BinaryIO, names: Sequence[str], most: int | None) -> dict[str, Any]:
+    """Mapped and not read: the samples stay on the disk, and only `eta` can be in it."""
     shape, fortran, dtype = _npy_header(path, "eta", stream)
     offset = stream.tell()
     _claim(path, "eta", shape, dtype.itemsize, _size(stream) - offset, loaded=False)
@@ -196,10 +211,14 @@ def _read_npy(path: Path, stream: BinaryIO, names: Sequence[str], most: int | No
 
 
 def _size(stream: BinaryIO) -> int:
+    """Of the file that is open, whatever has become of its name."""
     return os.fstat(stream.fileno()).st_size
 
 
 def _read_npz(path: Path, stream: BinaryIO, names: Sequence[str], most: int | None) -> dict[str, Any]:
+    """Each member's header is read first, and what it claims is held against the packed bytes; then it is read to its
+    end, where the checksum is.
+    """
     found = {}
     with zipfile.ZipFile(stream) as archive:
         for name in names:
@@ -272,7 +291,9 @@ _MATRIX, _COMPRESSED = 14, 15
 
 
 def _elements(path: Path, content: memoryview, order: str) -> Iterator[tuple[int, memoryview]]:
-    """Number and content of each element of a mat file, or of a variable in it. No claim may lead out of `content`."""
+    """Number and content of each element of a mat file, or of a variable in it. No claim may lead out of `content`. A
+    tag is a number for the type and a length; up to four bytes of content stand in the tag itself.
+    """
     at = 0
     while at < len(content):
         kind, length = (int(v) for v in np.frombuffer(content[at : at + 8].tobytes().ljust(8, b"\0"), f"{order}u4"))
@@ -315,6 +336,7 @@ def _mat_variable(
 
 
 def _read_netcdf(path: Path, stream: BinaryIO, names: Sequence[str], most: int | None) -> dict[str, Any]:
+    """By xarray, after a look with h5py at whether every part of each variable was written."""
     xarray = netcdf_library()
     import h5py
 
@@ -339,7 +361,9 @@ def _read_netcdf(path: Path, stream: BinaryIO, names: Sequence[str], most: int |
 
 
 def _written(path: Path, name: str, stored: Any) -> None:
-    """Refuse a variable of which parts were never written: they would be read as whatever it is filled with."""
+    """Refuse a variable of which parts were never written: they would be read as whatever it is filled with. A file
+    that a program was killed at, or is still writing, looks whole otherwise.
+    """
     if not getattr(stored, "size", 0) or stored.is_virtual or stored.external:
         return
     whole, there = 1, int(stored.id.get_storage_size() > 0)

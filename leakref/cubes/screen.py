@@ -1,4 +1,14 @@
-"""The paper's practical test for leakage (sec:conclusions): does a taper, or turning the camera, change the result?"""
+"""The paper's practical test for leakage (sec:conclusions): does a taper, or turning the camera, change the result?
+
+A velocity that is right does not change when the cube is tapered, or when the camera is turned; one that leakage made
+does, since leakage runs along the axes of the cube and is cut by a taper (sec:NSP_and_leakage). The verdicts compare
+these velocities and say nothing of how large the true current is. Used by `leakref extract --screen`.
+
+Two spectra of one cube are all it needs:
+
+    result = screen(fourier(eta, grid, "box"), fourier(eta, grid, "hann"), wavenumbers, gravity=9.81)
+    print(result.verdicts)
+"""
 
 from __future__ import annotations
 
@@ -34,6 +44,7 @@ __all__ = [
 ]
 
 FINE, LEAKAGE, NO_SIGNAL = "fine", "leakage", "no signal"
+"""The verdicts, as they stand in tables and in the JSON."""
 SIGNAL = 1e-2
 """A shell holds signal if its largest |S| is at least this part of that of the strongest shell ..."""
 NOISE = 2.0
@@ -50,6 +61,9 @@ class Turned:
     """What is measured after the camera was turned by `angle` degrees: velocities (n, 2) in the axes of the cube.
 
     NaN where the inscribed square, smaller than the cube, has no whole shell. `resolution` (n,) is its larger one.
+
+    - `untapered`, `tapered`: (n, 2), turned back, in the cube's units of velocity.
+    - `resolution` (n,): the larger of eq:dcdwk in the smaller cube; `side`: its samples along x and along y.
     """
 
     angle: float
@@ -63,8 +77,12 @@ class Turned:
 class Screening:
     """Untapered against tapered at n wavenumbers, and a verdict on each: "fine", "leakage" or "no signal".
 
-    `disagreement` (n,) is the length of the difference of the two velocities; `resolution` (n,) the larger of
-    eq:dcdwk; `leaked` (n,) the share of the untapered shell's magnitude that the taper removes.
+    `disagreement` (n,) is the length of the difference of the two velocities; `resolution` (n,) the larger of eq:dcdwk;
+    `leaked` (n,) the share of the untapered shell's magnitude that the taper removes.
+
+    - `untapered`, `tapered`: what was extracted from each, at the same wavenumbers.
+    - `verdicts`: n words, see `screen`.
+    - `turned`: the same after a turn, None if none was asked for.
     """
 
     untapered: Extraction
@@ -82,7 +100,9 @@ class Screening:
 
 
 def _ordered(spectrum: Spectrum) -> tuple[FloatArray, FloatArray]:
-    """|k| (a, b) of the bins sorted by number, and |S| (a, b, nw) there in units of a wave's amplitude over two."""
+    """|k| (a, b) of the bins sorted by number, and |S| (a, b, nw) there in units of a wave's amplitude over two. `gain`
+    is the sum of the window over all samples, so that a wave on a bin has the same height under every window.
+    """
     order = np.ix_(np.argsort(spectrum.i), np.argsort(spectrum.j))
     gain = np.prod([window(spectrum.window).samples(n).sum() for n in spectrum.grid.shape])
     k = np.hypot(*np.meshgrid(spectrum.kx, spectrum.ky, indexing="ij"))[order]
@@ -94,7 +114,11 @@ def _shell(k: FloatArray, wavenumber: float, dk: float, half_width: float = HALF
 
 
 def shells_with_signal(spectrum: Spectrum, wavenumbers: FloatArray, half_width: float = HALF_WIDTH) -> list[bool]:
-    """Whether each shell, of `half_width` in dk, holds more than noise and the skirts of stronger ones."""
+    """Whether each shell, of `half_width` in dk, holds more than noise and the skirts of stronger ones.
+
+    A list of n. A shell needs a largest magnitude of `SIGNAL` times that of the strongest one, and `NOISE` times what
+    noise of its own median would reach. `wavenumbers` are in rad per length.
+    """
     k, magnitude = _ordered(spectrum)
     found = []
     for wavenumber in wavenumbers:
@@ -108,8 +132,10 @@ def shells_with_signal(spectrum: Spectrum, wavenumbers: FloatArray, half_width: 
 def leaked_share(untapered: Spectrum, tapered: Spectrum, wavenumbers: FloatArray) -> FloatArray:
     """The share of each untapered shell's magnitude in bins that only leakage can explain, (n,).
 
-    A wave stands in its own bins and their neighbours whatever the taper; what is at a bin untapered and is gone
-    there, and around, once tapered, came from afar. Waves on bins do not leak at all, so their share is rounding.
+    A wave stands in its own bins and their neighbours whatever the taper; what is at a bin untapered and is gone there,
+    and around, once tapered, came from afar. Waves on bins do not leak at all, so their share is rounding.
+
+    From 0 to 1. Both spectra are of the same cube, and of the same bins in any order.
     """
     k, plain = _ordered(untapered)
     around = ndimage.maximum_filter(_ordered(tapered)[1], 3)
@@ -129,11 +155,13 @@ def screen(
 ) -> Screening:
     """Compare the velocities of a cube without and with a taper, at each wavenumber.
 
-    No signal: the tapered shell holds none, or nothing that could not have leaked from the strongest wave, or there
-    is no number to compare. Leakage: the two disagree by more than both resolutions of eq:dcdwk, and at least
-    LEAKED_SHARE of the untapered shell is gone when tapered (else the taper, which mixes neighbouring bins, made the
-    difference); or the untapered velocities with and without a turn of the camera disagree by more than both
-    resolutions of the smaller, rotated cube. Fine: all others. Raises LeakrefError.
+    No signal: the tapered shell holds none, or nothing that could not have leaked from the strongest wave, or there is
+    no number to compare. Leakage: the two disagree by more than both resolutions of eq:dcdwk, and at least LEAKED_SHARE
+    of the untapered shell is gone when tapered (else the taper, which mixes neighbouring bins, made the difference); or
+    the untapered velocities with and without a turn of the camera disagree by more than both resolutions of the
+    smaller, rotated cube. Fine: all others. Raises LeakrefError.
+
+    Both spectra are of the same cube; `wavenumbers` (n,) in rad per length, `gravity` in the units of the cube.
     """
     plain, smooth = (
         analyse(s, wavenumbers, gravity=gravity, method=method, search=False) for s in (untapered, tapered)
@@ -181,7 +209,11 @@ def rotate(surface: Any, grid: Grid, angle: float) -> tuple[FloatArray, Grid]:
 def turn(
     spectra: Sequence[Spectrum], wavenumbers: FloatArray, angle: float, *, gravity: float = 1.0, method: str = "nsp"
 ) -> Turned:
-    """The velocities from the (untapered, tapered) spectra of a cube rotated by `angle`, turned back."""
+    """The velocities from the (untapered, tapered) spectra of a cube rotated by `angle`, turned back.
+
+    `wavenumbers` (n,) are those of the cube before; a shell is measured only if it lies whole within the square's own
+    wavenumbers, and clear of zero. Velocities come back in the axes of the unrotated cube.
+    """
     grid = spectra[0].grid
     dk = grid.wavenumber_resolution
     whole = (wavenumbers >= 2 * HALF_WIDTH * dk * (1 - EDGE_MARGIN)) & (

@@ -1,4 +1,8 @@
-"""At which wavenumbers a user's cube is looked at."""
+"""At which wavenumbers a user's cube is looked at.
+
+They are in rad per unit of length of the cube. The lists and ranges of the command line are read here, and the default
+is made: as many shells as the cube has, none of them cut off by the Nyquist wavenumber.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +19,11 @@ SMALLEST = 4
 
 
 def parse_numbers(option: str, text: str, count: int | None = None) -> list[float]:
-    """Numbers separated by commas. Raises LeakrefError."""
+    """Numbers separated by commas. Raises LeakrefError.
+
+    `option` and `text` are as typed, for the message; `count` is how many there must be. Refused are words, NaN and
+    infinite ones.
+    """
     try:
         values = [float(word) for word in text.split(",")]
     except ValueError:
@@ -31,7 +39,11 @@ def parse_numbers(option: str, text: str, count: int | None = None) -> list[floa
 
 
 def parse_wavenumbers(text: str) -> FloatArray:
-    """A list, "0.4,0.5", or a range with both its ends, "0.4:3.5:0.1". Raises LeakrefError."""
+    """A list, "0.4,0.5", or a range with both its ends, "0.4:3.5:0.1". Raises LeakrefError.
+
+    Returned is an array (n,), ascending where it is a range. A range of more than 100 000, or one that runs backwards,
+    is refused.
+    """
     if ":" not in text:
         return np.array(parse_numbers("--wavenumbers", text))
     values = parse_numbers("--wavenumbers", text.replace(":", ","))
@@ -45,7 +57,11 @@ def parse_wavenumbers(text: str) -> FloatArray:
 
 
 def default_wavenumbers(grid: Grid, largest: float = np.inf) -> FloatArray:
-    """i dk, one a bin, from SMALLEST dk to the largest whole shell below the Nyquist wavenumber and `largest`."""
+    """i dk, one a bin, from SMALLEST dk to the largest whole shell below the Nyquist wavenumber and `largest`.
+
+    `dk` is the larger of the bin widths along x and y. Returned is an array (n,). Raises LeakrefError for a cube too
+    small to have any.
+    """
     dk = grid.wavenumber_resolution
     top = min(min(grid.nyquist[:2]) * (1 - EDGE_MARGIN) - HALF_WIDTH * dk, largest)
     last = int(np.ceil(top / dk - 1e-9)) - 1  # strictly inside

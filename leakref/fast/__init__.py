@@ -1,9 +1,15 @@
 # mypy: disallow-untyped-defs=False
 """The whole chain in closed form and compiled: what `leakage`, `shell`, `nsp` and `leastsquares` give, sooner.
 
-Those are the reference, and tests hold this against them. `spectra` makes the magnitudes, `score` climbs the
-scores; here they come together. The result is the same to the last bit on one machine as long as the products run on
-one thread.
+Those are the reference, and tests hold this against them. `spectra` makes the magnitudes, `score` climbs the scores;
+here they come together. The result is the same to the last bit on one machine as long as the products run on one
+thread.
+
+Three things make it fast. Only the disc of bins that shells and waves reach is ever computed, and for all windows at
+once. A score is a polynomial near any velocity, so that following a simplex costs no passes over bins. And what depends
+on the grid alone (bins, shells, tables) is made once for all realisations. What is rare (a shell at the edge of the
+band, a search that gets lost, waves in the corners of the spectrum, a method without a twin here) is handed to the
+reference itself, so that nothing has to be right twice.
 """
 
 from __future__ import annotations
@@ -75,7 +81,10 @@ def _gaussians(width: float, blocks: int) -> tuple[IntArray, npt.NDArray[np.floa
 
 
 class _Seen:
-    """The magnitudes under one window, and the two extractions from a shell of them."""
+    """The magnitudes under one window, and the two extractions from a shell of them. Everything that shells share is
+    made here once: sums and largest magnitudes of the columns, and what the strongest bin may leak along each axis, as
+    a product of two envelopes across and one along omega.
+    """
 
     def __init__(self, disc: Disc, window: str, magnitude: FloatArray, rings: list[Ring]) -> None:
         self.disc, self.magnitude, self.width, grid = disc, magnitude, rings[0].width, disc.grid
@@ -94,7 +103,7 @@ class _Seen:
         self.models = models(self.largest.size)
 
     def _shell(self, ring: Ring) -> Shell:
-        """As shell.shell_at makes it."""
+        """As shell.shell_at makes it. Only for what is handed to the reference."""
         floor = None if (ring.columns == self.strongest).any() else self.across[:, ring.columns].T @ self.along
         kx, ky, intrinsic, omega = (
             bins * self.step for bins in (ring.kx, ring.ky, ring.centre, self.disc.grid.bins(2))
@@ -113,10 +122,16 @@ class _Seen:
         )
 
     def _is_empty(self, ring: Ring) -> bool:
+        """By the same bar as the reference: what is left is rounding of the strongest bin."""
         return not self.largest[ring.columns].max() > _ROUNDING * self.largest[self.strongest]
 
     def nsp(self, ring: Ring, *, search: bool, **_: object) -> Optimum:
-        """nsp.optimum."""
+        """nsp.optimum.
+
+        `climb` follows SciPy's simplex on polynomials; what it finds beyond reach, flat, or leaving the band is asked
+        of the reference instead, whose rules for such cases stand in one place only. N is known up to the factor by
+        which the magnitudes of the shell are normalised, which is put in at the end.
+        """
         if self._is_empty(ring):
             return nothing(Note.NO_SIGNAL)
         ring, velocity, d = ring._replace(magnitude=self.magnitude), np.empty(2), np.empty(6)
@@ -149,7 +164,11 @@ class _Seen:
         return Optimum(velocity, float(d[0]), d[1:3].copy(), d[[3, 4, 4, 5]].reshape(2, 2), int(used), note)
 
     def _another_basin(self, ring: Ring, velocity: FloatArray, score: float, reach: float) -> bool:
-        """nsp.another_basin."""
+        """nsp.another_basin.
+
+        `peaks` chooses starts from a table in single precision, and `outdone` climbs from each in double: the first
+        decides only what is looked at, the second what is true.
+        """
         table, pooled, tops = self._table
         tops = tops[ring.columns]
         order, best = np.argsort(-tops, kind="stable"), np.empty((7, 3))
@@ -161,6 +180,10 @@ class _Seen:
         """Each column's part of the score by the centre of the Gaussian, from 0 up in eighths of the width; and `pool`.
 
         In single precision: it only chooses starts.
+
+        Each column is convolved with Gaussians whose centres are an eighth of the width apart. A block of `PLACES` of
+        them reaches over few bins, so the whole table is a matrix product for each block, of rows that stay in the
+        cache.
         """
         blocks, gaussians = _gaussians(self.width, int((self.furthest * 8 / self.width + 2 + POOL) / PLACES) + 1)
         (n, nw), pad = self.magnitude.shape, _pad(self.width)
@@ -179,7 +202,7 @@ class _Seen:
         return table, *pool(table)
 
     def ls(self, ring: Ring, *, threshold: float, **_: object) -> Optimum:
-        """leastsquares.optimum."""
+        """leastsquares.optimum. Frequencies are in bins throughout, and squares of them are scaled at the end."""
         if self._is_empty(ring):
             return nothing(Note.NO_SIGNAL)
         ring, out = ring._replace(magnitude=self.magnitude), np.empty(8)
@@ -206,7 +229,8 @@ def _rings(
 ) -> tuple[Disc, list[Ring]]:
     """The bins, and the shells, still without magnitudes: the same for all realisations.
 
-    Raises LeakrefError as shell.shell_at does.
+    Raises LeakrefError as shell.shell_at does. Eight of them are remembered, since a run over many realisations asks
+    for the same one each time.
     """
     disc, step = Disc(grid, radius), grid.frequency_resolution
     dk, nyquist = grid.wavenumber_resolution, min(grid.nyquist[:2])
@@ -274,6 +298,11 @@ def realize(
 
     Settings as in `nsp.extract` and `leastsquares.extract`. `evaluations` are those of this way of climbing; the
     strongest bin (Note.LEAKAGE_FLOOR) is that within the outermost shell or wave. Raises LeakrefError.
+
+    `wavenumbers` (n,), `width` (in frequency bins) and `half_width` (in wavenumber bins) are as in the reference,
+    `gravity` in the units of the grid. Returned are Extractions with velocities (n, 2), in the order of `windows`, then
+    `methods`. LeakrefError is raised for what the reference refuses: unknown names, wavenumbers beyond the Nyquist one,
+    a threshold outside (0, 1].
     """
     tapers, records = [named_window(name) for name in windows], [named_method(name, "realize") for name in methods]
     k = checked_wavenumbers(wavenumbers, "realize")

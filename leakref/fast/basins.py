@@ -1,5 +1,12 @@
 # mypy: disallow-untyped-defs=False
-"""Looking for other basins of the score on a coarse lattice, with a bound on the scores in between, compiled."""
+"""Looking for other basins of the score on a coarse lattice, with a bound on the scores in between, compiled.
+
+The score is a sum over columns, each of which depends on one number only: where the centre of its Gaussian is. A table
+of each column's part by centre therefore gives the score at any velocity by one look-up a column. Looking at every
+point of the lattice would still cost too much; so blocks of nine points are bounded first, and columns are added from
+the strongest down, dropping a point as soon as it cannot reach 0.85 of the score that was found. Nothing is dropped
+that could: the bounds hold for all scores in between.
+"""
 
 from __future__ import annotations
 
@@ -25,6 +32,9 @@ def pool(table):
     `table` (n, 4 cells) holds P from place 0 up; the bound (n, 2 cells - 1), from as far below 0 on, is on the places
     within POOL = 8 of every fourth or the next three. It needs the fourth ones only, half a width apart: in between,
     log P is at most theta (1 - theta) / 2 above its chord, since it is a sum of Gaussians (Hoelder).
+
+    It is right because P is, for each column, a sum of Gaussians of one width with weights that are not negative; and
+    fast because only every fourth place of the table is read.
     """
     n, cells = table.shape[0], table.shape[1] // 4
     pooled, tops = np.empty((n, 2 * cells - 1), dtype=np.float32), np.empty(n)
@@ -55,6 +65,10 @@ def _drop(table, zero, columns, base, kx, ky, rest, x, y, scores, bar):
 
     Of places below the `zero`th the table has the mirror image, P(-k, -omega) = P(k, omega). `rest`: how much the
     columns after each may add at most. x, y and scores are shortened in place.
+
+    Columns come strongest first, so most points fall out after a few of them, and the arrays shrink in place: the sum
+    over all columns is only ever formed for points that survive. Looking for survivors every eighth column costs less
+    than it saves. Without negative places, the common case, the inner loop has no branch.
     """
     live, last, place = x.size, np.int32(table.shape[1] - 1), np.empty(x.size, dtype=np.int32)
     zero, least = np.int32(zero), np.int32(-last if zero else 0)
@@ -86,6 +100,11 @@ def peaks(ring, order, tops, table, pooled, reach, found, best):
 
     `table` holds each column's part of the score by centre, an eighth of the width apart from zero up; `pooled`
     (`pool`) bounds the score of three by three points at once.
+
+    `order` are the columns by their largest part, `tops` those parts in that order, `found` the velocity (2,) that was
+    found (starts within a spacing of it are left out), `reach` how far from zero a velocity may be. The lattice is half
+    a width over the wavenumber of the shell apart, so that a peak of the score is several points wide. The number of
+    starts is returned.
     """
     step, middle = ring.width / 8, table.shape[1]
     spacing = ring.width / (2 * ring.wavenumber)

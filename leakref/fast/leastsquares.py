@@ -1,5 +1,10 @@
 # mypy: disallow-untyped-defs=False
-"""Least squares, and whether a shell holds leakage alone, compiled."""
+"""Least squares, and whether a shell holds leakage alone, compiled.
+
+The normal equations of eq:LS1 need five sums over the bins above the threshold, and those are few: columns whose
+largest magnitude is below it are passed over without being read. Frequencies are in bins, wavenumbers in bins per
+velocity.
+"""
 
 from __future__ import annotations
 
@@ -20,6 +25,10 @@ def least_squares(ring, largest, threshold, free, out):
 
     Returns bins used, whether one is close to the threshold, whether there is no number, and the threshold of F.
     `largest` F of each column: most hold nothing above the threshold, and are passed over.
+
+    The first of the two rounds adds up the normal matrix and solves for the velocity, the second the residuals and the
+    gradient there, at the same bins. Power is compared with the threshold in the same order of operations as in the
+    reference, since a bin exactly on it must fall on the same side.
     """
     top = largest[ring.columns].max()
     out[:] = 0.0
@@ -57,7 +66,9 @@ def least_squares(ring, largest, threshold, free, out):
 def only_leaked(ring, strongest, c, bar, across, along):
     """Shell.notes: whether something is near, and none of it above what the strongest wave elsewhere may leak there.
 
-    Near is what has a magnitude of at least `bar` (if positive), or is within the width of either branch.
+    Near is what has a magnitude of at least `bar` (if positive), or is within the width of either branch. `across` (2,
+    columns) and `along` (2, nw) are the envelopes of the strongest wave and of its mirror image: their products bound
+    what it can leak into a bin. A shell that holds the strongest bin itself never holds leakage alone.
     """
     near = False
     for n in range(ring.columns.size):

@@ -5,6 +5,11 @@ Around one velocity the score is a polynomial in the two components of the veloc
 shell gives its coefficients (`_expand`); after that an evaluation costs the same whatever the size of the shell, so
 that SciPy's Nelder-Mead can be followed step by step (`climb`). Frequencies are counted in bins, wavenumbers in bins
 per velocity.
+
+Why that is right: a Gaussian moved by t is a power series in t whose coefficients are Hermite functions (`hermite`),
+and t is linear in the velocity. A moment of a column is therefore a sum over its bins that does not depend on the
+velocity, and the score a quotient of two polynomials, good to 2e-11 within `_RADIUS` standard deviations. Beyond
+that another expansion is made; moments are remembered by column and cell, and serve all shells that share the column.
 """
 
 from __future__ import annotations
@@ -82,7 +87,10 @@ def hermite(width: float, half: int) -> FloatArray:
 
 @_summing
 def _moments(f, first, taps, out):
-    """Sums of f[first + j] times each of taps[j], (n, _MOMENTS), five rows at a time to keep them in registers."""
+    """Sums of f[first + j] times each of taps[j], (n, _MOMENTS), five rows at a time to keep them in registers.
+
+    It is a product of a vector and a matrix, written out, because it is called for single columns: too small for BLAS.
+    """
     out[:] = 0.0
     for j in range(0, taps.shape[0], 5):
         a, b, c, d, e = f[first + j], f[first + j + 1], f[first + j + 2], f[first + j + 3], f[first + j + 4]
@@ -96,8 +104,11 @@ def _moments(f, first, taps, out):
 def _gather(moments, s, kx, ky, n, order, total):
     """Add to total[q, p] the sums over columns of kx^q ky^p times the coefficient of t^(q + p), q + p < `order`.
 
-    `moments` (_MOMENTS + 2, n) are the coefficients around the middles of cells, and zeros, s the way from there to
-    the centres. They are lost.
+    `moments` (_MOMENTS + 2, n) are the coefficients around the middles of cells, and zeros, s the way from there to the
+    centres. They are lost.
+
+    The first loop moves the origin of each column's series from the middle of its cell to the centre of its Gaussian,
+    by repeated Horner steps in place, and over many columns at once so that they vectorise. The second forms the sums.
     """
     px, py = np.empty((order, _CHUNK)), np.empty((order, _CHUNK))
     for i in range(n):
@@ -221,6 +232,9 @@ def _model(ring, models, c, radius, new):
     """The number of an expansion whose centre is within `radius` (of 2 k.c / width) of c, as far as it holds.
 
     If need be a `new` one is made, which holds that far.
+
+    The one used last is tried first: a simplex moves little, so that the first try nearly always fits. When all places
+    are taken the oldest expansion goes.
     """
     scale = 2 * ring.largest / ring.width
     made = models.made[0]
@@ -252,7 +266,10 @@ def _score(ring, models, c):
 
 @_compiled
 def _derivatives(ring, models, c, radius, new, out):
-    """N up to a factor, gradient and second derivatives (xx, xy, yy) as in nsp.score_derivatives, out (6,)."""
+    """N up to a factor, gradient and second derivatives (xx, xy, yy) as in nsp.score_derivatives, out (6,).
+
+    They are formed from those of log N, which for a quotient are differences.
+    """
     n = _model(ring, models, c, radius, new)
     scale = 2 * ring.largest / ring.width
     x, y = (c[0] - models.centres[n, 0]) * scale, (c[1] - models.centres[n, 1]) * scale
@@ -313,6 +330,10 @@ def climb(ring, models, start, c, d):
 
     SciPy's Nelder-Mead on -N (Lagarias coefficients), in units of c0, from a simplex of size `start` until it is at
     most 1e-8; then Newton.
+
+    Why follow SciPy so closely: where the score has several maxima, which of them a search finds depends on its path,
+    and the reference's path is SciPy's. The same evaluations in the same order give the same comparisons, but for
+    scores that agree to 2e-11.
     """
     simplex, values, unit = np.zeros((3, 2)), np.empty(3), ring.unit
     trial, other, mean = np.empty(2), np.empty(2), np.empty(2)

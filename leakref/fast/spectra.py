@@ -1,9 +1,14 @@
 # mypy: disallow-untyped-defs=False
 """The magnitudes of a spectrum in closed form, in products of matrices and compiled loops: part of `leakref.fast`.
 
-Only the bins of the shells are computed, and all windows come from one pass (`_box_rows`, `_taper`). Seen from far
-off along omega the waves are one smooth function, known from some thirty nodes (`_Band`). Waves that are no lattice are
+Only the bins of the shells are computed, and all windows come from one pass (`_box_rows`, `_taper`). Seen from far off
+along omega the waves are one smooth function, known from some thirty nodes (`_Band`). Waves that are no lattice are
 spread over one (`_Axis.spread`).
+
+For each frequency a sum over waves is a product of three matrices: a kernel along x, the waves on their lattice, a
+kernel along y. The product along x is done for all frequencies together, and rows of bins are then taken outwards from
+the middle, each with its mirror image, so that no more than a few rows are in memory and the tapers are worked in while
+they are in the cache. Used by `fast.realize`; `leakage.spectrum` is what it is held against.
 """
 
 from __future__ import annotations
@@ -32,7 +37,10 @@ _NODES = 34.0  # -log of the error of the interpolation along omega
 
 @dataclass(frozen=True)
 class Disc:
-    """The bins (i, j) with |k| <= `radius` in the order of x, then y: the mirror image of number q is -1 - q."""
+    """The bins (i, j) with |k| <= `radius` in the order of x, then y: the mirror image of number q is -1 - q. `radius`,
+    in rad per length of the grid, reaches the outermost shell and all waves.
+
+    """
 
     grid: Grid
     radius: float
@@ -71,6 +79,7 @@ class _Axis:
 
     @property
     def factor(self) -> ComplexArray:
+        """Where a wave is on a bin its kernel has no pole, and all that is left of it is a phase."""
         r = np.pi * self.rest
         return np.where(self.on_bin, 1.0, -np.exp(1j * r) * np.sin(r)) * np.exp(-1j * self.angle)
 
@@ -106,13 +115,18 @@ class _Axis:
 
 
 def _bell(z: FloatArray) -> FloatArray:
-    """What a wave is spread with, over -1 ... 1."""
+    """What a wave is spread with, over -1 ... 1. It is the exponential of a semicircle: nearly zero at its ends and
+    nearly band-limited, which is what lets _WIDE points carry a wave to 1e-15. Written with the root in the denominator
+    no digits are lost near the middle.
+    """
     return np.exp(-_SHAPE * z * z / (1 + np.sqrt(np.maximum(1 - z * z, 0.0))))  # a root less one, to all digits
 
 
 @lru_cache(maxsize=16)
 def _undone(size: int, reach: int) -> FloatArray:
-    """The transform of the box at 0 ... `reach` parts of a bin, _FINER[0] of them, over that of the bell."""
+    """The transform of the box at 0 ... `reach` parts of a bin, _FINER[0] of them, over that of the bell. That undoes
+    what the bell has done to the spectrum; it depends on the size alone and is remembered.
+    """
     m = (np.arange(size) - (size - 1) / 2) / size
     z = np.arange(-63, 64) / 64
     bell = np.cos(np.pi * _WIDE * _FINER[1] / _FINER[0] * np.outer(m, z)) @ (_bell(z) * _WIDE / 128)
@@ -122,9 +136,13 @@ def _undone(size: int, reach: int) -> FloatArray:
 class _Band:
     """Frequencies at which to sum over waves, and how all others follow.
 
-    With s = tan(pi (n - middle) / N), every kernel along omega is a cosine times a rational function of s with its
-    pole at the wave. On the arc of bins at least a margin from all waves, up across the Nyquist frequency and on to
-    below zero, a polynomial through Chebyshev nodes thus converges like rho^-nodes.
+    With s = tan(pi (n - middle) / N), every kernel along omega is a cosine times a rational function of s with its pole
+    at the wave. On the arc of bins at least a margin from all waves, up across the Nyquist frequency and on to below
+    zero, a polynomial through Chebyshev nodes thus converges like rho^-nodes.
+
+    So most of the frequencies of a spectrum, those far from all waves, cost a product with a small matrix (`matrix`) in
+    place of a sum over waves. `runs` says which bins are near and are copied. The margin is chosen so that bins near
+    and nodes together are fewest.
     """
 
     def __init__(self, time: _Axis, stencil: int) -> None:
@@ -172,7 +190,9 @@ def _rows_and_columns(components: Components) -> tuple[Any, Any, bool]:
 
 def _placed(components: Components, x: _Axis, y: _Axis, extents: IntArray) -> tuple[Any, ...]:
     """The kernels of a lattice, (i, rows) and (j, columns); of the waves the rows, the columns, the parts if they are
-    spread, and the factors; and whether they are too few for that and each has its own row and column.
+    spread, and the factors; and whether they are too few for that and each has its own row and column. Waves on a
+    lattice need a kernel for each row and column only. Others are spread, unless they are so few that a kernel for each
+    wave costs less.
     """
     i, j = (np.arange(-m, m + 1) for m in (extents.size // 2, int(extents.max())))
     a, b, is_lattice = _rows_and_columns(components)
@@ -194,7 +214,11 @@ def _along(
     t: _Axis,
     band: _Band,
 ) -> FloatArray:
-    """The waves summed along x, at the frequencies of the band: (i, 2 frequencies, columns), planar."""
+    """The waves summed along x, at the frequencies of the band: (i, 2 frequencies, columns), planar.
+
+    Frequencies near the waves come first, then the nodes. Kernels along omega come from tables of sines and cosines of
+    bins (`_seen`), so that no trigonometric function is taken for a wave and a frequency together.
+    """
     (row, column, columns), n, count = place, t.size, band.near + band.angles.size
     d = np.pi / n * np.minimum(np.arange(n), np.arange(n, 0, -1))  # sin(pi d / n) = sin(pi - pi d / n), to all digits
     table_sin, table_cos = np.sin(d), np.where(np.arange(n) <= n // 2, 1, -1) * np.cos(d)
@@ -266,7 +290,11 @@ def _box_rows(components: Components, grid: Grid, stencil: int, extents: IntArra
 
 
 def _seen_under(sums: list[Window], components: Components, grid: Grid, disc: Disc) -> dict[str, FloatArray]:
-    """`magnitudes` under windows that are sums of cosines, row by row outwards."""
+    """`magnitudes` under windows that are sums of cosines, row by row outwards.
+
+    Rows are kept in a ring of `slots`, as many as the widest stencil needs; a row is tapered under every window as soon
+    as its last neighbour is there. The box is a stencil of width zero and costs nothing more.
+    """
     i, _ = disc.bins
     stencil = max(len(w.coefficients) for w in sums) - 1
     extents, ends = disc.extents(stencil), np.searchsorted(i, np.arange(i.min(), i.max() + 2))
@@ -298,7 +326,11 @@ def _seen_under(sums: list[Window], components: Components, grid: Grid, disc: Di
 
 
 def magnitudes(components: Components, grid: Grid, windows: Sequence[Window], disc: Disc) -> dict[str, FloatArray]:
-    """F = |S| on the columns of the disc under each window, (n, nt // 2 + 1), up to a factor."""
+    """F = |S| on the columns of the disc under each window, (n, nt // 2 + 1), up to a factor.
+
+    In the order of `disc.bins`; the factor matters to no velocity. Kaiser-Bessel, which is no sum of
+    cosines, goes through the reference's closed form.
+    """
     i, j = disc.bins
     found: dict[str, FloatArray] = {}
     if sums := [w for w in windows if w.coefficients]:

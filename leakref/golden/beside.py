@@ -22,13 +22,18 @@ from leakref.golden.sets import Failure
 __all__ = ["MANIFEST", "SCHEMA", "home", "lint", "noted", "read", "record"]
 
 MANIFEST = "manifest.json"
+"""In the folder of all sets and in each of them."""
 SCHEMA = "leakref/golden-files/1"
+"""Of the manifest in the folder of all sets."""
 _TAKE = "`leakref golden regenerate files`"
 _AGAIN = f"put it back or, if it was made anew, {_TAKE}"
 
 
 def home() -> Traversable:
-    """The folder with all sets, as installed."""
+    """The folder with all sets, as installed.
+
+    It is where the package has its data: in a checkout the folder `golden/`, in an installation a copy of it.
+    """
     return resources.files("leakref._golden")
 
 
@@ -57,7 +62,11 @@ def _manifest(folder: Traversable) -> dict[str, Any]:
 
 
 def read(name: str, folder: Traversable | None = None) -> Any:
-    """The JSON of `golden/name`, as it was made. Raises Damaged."""
+    """The JSON of `golden/name`, as it was made. Raises Damaged.
+
+    `folder` is `home()` unless given. Damaged is raised where the file or the manifest cannot be read, is not strict
+    JSON, or has another digest than the manifest's.
+    """
     folder = folder or home()
     try:
         content = folder.joinpath(name).read_bytes()
@@ -69,7 +78,11 @@ def read(name: str, folder: Traversable | None = None) -> Any:
 
 
 def lint(folder: Traversable) -> tuple[dict[str, Any], list[Failure]]:
-    """A row of the report for the files beside the sets, and what is amiss with them."""
+    """A row of the report for the files beside the sets, and what is amiss with them.
+
+    A file may be changed, missing, or not in the manifest; each is one Failure that names it. The row has the columns
+    of those of the sets, so that both stand in one table.
+    """
     row = {"name": "beside", "state": "complete", "files": 0, "entries": 0, "values": 0}
     try:
         files = _manifest(folder)["files"]
@@ -100,7 +113,11 @@ def _write(folder: Path, files: dict[str, str]) -> None:
 
 
 def record(folder: Path) -> list[str]:
-    """Write down what lies in `folder` as it is; the names of those that were other before."""
+    """Write down what lies in `folder` as it is; the names of those that were other before.
+
+    The manifest is made anew, and is written even if nothing differs. Names are relative to `folder`, sorted, those
+    that have come or gone among them.
+    """
     try:
         before = _manifest(folder)["files"]
     except LeakrefError:
@@ -111,7 +128,11 @@ def record(folder: Path) -> list[str]:
 
 
 def noted(path: Path) -> None:
-    """Write down the digest of a file that was just written, if it is one of those that a manifest keeps."""
+    """Write down the digest of a file that was just written, if it is one of those that a manifest keeps.
+
+    Looked at are the manifests in its folder and in the one above. A manifest that is damaged is left alone: a digest
+    written into it would hide that.
+    """
     path = path.resolve()
     for folder in path.parents[:2]:
         if not (folder / MANIFEST).is_file() or path == folder / MANIFEST:

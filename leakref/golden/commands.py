@@ -1,4 +1,9 @@
-"""What `leakref golden ...` prints."""
+"""What `leakref golden ...` prints.
+
+Each function is one action: it calls `linting`, `verifying` or `making`, and prints a table or an envelope in JSON.
+Exit statuses come from here (`run_verify`) or are made of a bool by `leakref.cli`. A set that was changed is never
+computed against: by wrong numbers nothing can be judged.
+"""
 
 from __future__ import annotations
 
@@ -62,7 +67,11 @@ def _linted(golden: Golden, place: Path | None) -> Report:
 
 
 def run_lint(number: int, place: Path | None, *, json: bool) -> bool:
-    """Whether the set is whole and unchanged, and so is what lies beside it."""
+    """Whether the set is whole and unchanged, and so is what lies beside it.
+
+    `number` is that of an installed set, `place` a folder instead of it. A set in a folder of its own, without a
+    manifest beside it, is judged alone.
+    """
     report = _linted(_opened(number, place), place)
     _shown("lint", report, json, report.ok)
     return report.ok
@@ -79,7 +88,10 @@ def run_verify(
     workers: int,
     json: bool,
 ) -> int:
-    """0 if everything computed again agrees, 1 if not, 3 if the set was changed or there was nothing to compute."""
+    """0 if everything computed again agrees, 1 if not, 3 if the set was changed or there was nothing to compute.
+    `route` is `A` or `B`, for ensembles only. LeakrefError is raised for another route, a folder that is not there and
+    an id that no entry has.
+    """
     golden = _opened(number, place)
     if route not in ("A", "B"):
         raise LeakrefError("golden", f"no route named {route!r}", "choose A (surface and FFT) or B (closed form)")
@@ -100,7 +112,11 @@ def run_verify(
 def run_regenerate(
     wanted: Sequence[str], number: int, place: Path | None, *, work: Path, workers: int, json: bool
 ) -> bool:
-    """Whether nothing differs that was not named; see `making.regenerate`. `files` are those beside the sets."""
+    """Whether nothing differs that was not named; see `making.regenerate`. `files` are those beside the sets.
+
+    Afterwards the set is linted, and what is amiss makes the result False, too. The table names only what is not the
+    same as before; `--json` names all.
+    """
     from leakref.golden import ids, making
 
     target = place or Path(str(locate(number)))

@@ -1,4 +1,8 @@
-"""The JSON of golden files: read strictly, and its digests."""
+"""The JSON of golden files: read strictly, and its digests.
+
+Used wherever a digest is made or compared: sets, manifests, the history of `leakref track`. Strict means that what JSON
+readers treat differently is refused: NaN and Infinity as bare words, and a key that stands twice in one object.
+"""
 
 from __future__ import annotations
 
@@ -21,12 +25,15 @@ def canonical(record: Any) -> bytes:
 
 
 def digest(record: Any) -> str:
-    """SHA-256 of `canonical`."""
+    """SHA-256 of `canonical`. Of the record, not of the file: another indentation is the same record."""
     return hashlib.sha256(canonical(record)).hexdigest()
 
 
 def strict(name: str, content: bytes) -> Any:
-    """What the file `name` says; `Damaged` if it is not strict JSON."""
+    """What the file `name` says; `Damaged` if it is not strict JSON. That is: not text, not JSON, a number that is
+    none, or a key given twice.
+
+    """
     try:
         return json.loads(content, parse_constant=_no_constant, object_pairs_hook=_no_twins)
     except (ValueError, RecursionError) as error:
@@ -34,7 +41,11 @@ def strict(name: str, content: bytes) -> Any:
 
 
 def sealed(manifest: Mapping[str, Any]) -> bool:
-    """Whether a manifest is as it was written, by its own digest."""
+    """Whether a manifest is as it was written, by its own digest.
+
+    A manifest carries its digest under `sha256`, taken of all else that it says. This is against accidents: who
+    computes the digest anew can write what he likes.
+    """
     return manifest.get("sha256") == digest({key: value for key, value in manifest.items() if key != "sha256"})
 
 

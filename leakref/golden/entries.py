@@ -1,4 +1,10 @@
-"""The records of a golden set: what an entry holds, and how each is computed by its routes."""
+"""The records of a golden set: what an entry holds, and how each is computed by its routes.
+
+Vectors are made by `records.vector_record`. A realisation is computed by route A (surface and FFT) and by route B
+(closed form), and both must agree within the conditioning. An ensemble of a hundred realisations is computed by B
+alone, since A takes many times as long, and inherits the digits on which both routes agreed in its certified
+realisations. `making` writes what is made here, `verifying` compares it.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +39,10 @@ Step = Callable[[], object]
 
 
 def describe(c: Configuration) -> dict[str, Any]:
-    """A configuration in words of JSON: enough to make it without this package's table of cases."""
+    """A configuration in words of JSON: enough to make it without this package's table of cases.
+
+    Angles are in degrees, `length` and `duration` in peak wavelengths and periods, all else in scaled units.
+    """
     return {
         "configuration": c.id,
         "direction": c.direction,
@@ -52,7 +61,11 @@ def describe(c: Configuration) -> dict[str, Any]:
 
 
 def _one_by_one(c: Configuration, number: int) -> Iterator[Spectrum]:
-    """Route A, one window at a time and no more than the surface and one spectrum in memory."""
+    """Route A, one window at a time and no more than the surface and one spectrum in memory.
+
+    The spectrum is cropped to the bins that shells need before the next window is begun: the largest domain has 351
+    million samples.
+    """
     waves, grid = c.components(number), c.grid
     eta = synthesize(waves, *(grid.samples(axis) for axis in range(3)))
     reach = float(c.wavenumbers[-1]) + 3 * grid.wavenumber_resolution
@@ -65,7 +78,11 @@ def _one_by_one(c: Configuration, number: int) -> Iterator[Spectrum]:
 
 
 def _by_surface(c: Configuration, number: int) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Velocities and notes by route A, and the conditioning of each velocity."""
+    """Velocities and notes by route A, and the conditioning of each velocity.
+
+    Velocities (n, 2) and notes by `window_method`, under `notes` and by name, and the conditioning of each velocity, n
+    numbers. `turns` counts the radians of phase that a wave goes through over the cube, which round one by one.
+    """
     found: dict[str, Any] = {}
     conditioning: dict[str, Any] = {}
     turns = float(4 + np.log2(np.prod(c.grid.shape)) + 2 * np.pi * (3.5 * c.length * 2 + 1.9 * c.duration))
@@ -80,11 +97,15 @@ def _by_surface(c: Configuration, number: int) -> tuple[dict[str, Any], dict[str
 
 
 def _names(found: Extraction) -> list[list[str]]:
+    """The notes of each shell by name, as they are kept."""
     return [note.names for note in found.notes]
 
 
 def closed_form(c: Configuration, number: int) -> dict[str, Any]:
-    """Velocities and notes by route B."""
+    """Velocities and notes by route B.
+
+    Velocities (n, 2) by `window_method`, and under `notes` the names of the notes of each shell.
+    """
     found = {f"{window}_{method}": one for (window, method), one in ensemble.realize(c, number, route="B").items()}
     return {
         **{name: one.velocities for name, one in found.items()},
@@ -155,7 +176,10 @@ _STATISTICS = ("bias", "random", "mean", "standard_error", "count")
 
 
 def statistics_of(e: Ensemble) -> dict[str, FloatArray]:
-    """The statistics of an ensemble that a golden entry keeps, as arrays by name."""
+    """The statistics of an ensemble that a golden entry keeps, as arrays by name.
+
+    They are `bias`, `random`, `standard_error` and `count`, (n,) each, and `mean`, (n, 2); in `c0`.
+    """
     return {name: np.asarray(getattr(e, name), dtype=np.float64) for name in _STATISTICS}
 
 
@@ -164,7 +188,9 @@ def _ensembles(
 ) -> list[dict[str, Any]]:
     """Records of the ensembles of a configuration: route B, confirmed by the realisations done by A as well.
 
-    `worse`, one for each realisation, is what `_softnesses` says of its velocities.
+    `worse`, one for each realisation, is what `_softnesses` says of its velocities. A mean is conditioned as the mean
+    of its velocities' conditioning; a standard deviation as twice their root mean square; a standard error as that over
+    the square root of the count; counts are exact.
     """
     records = []
     for e in found:
@@ -201,7 +227,10 @@ def _ensembles(
 
 
 def inherit(record: dict[str, Any], certified: Mapping[str, Entry]) -> None:
-    """Give an ensemble, which is by route B alone, the digits that both routes share in its certified realisations."""
+    """Give an ensemble, which is by route B alone, the digits that both routes share in its certified realisations.
+    `record` is changed in place; counts, which are whole numbers, keep theirs. Raises LeakrefError where a certified
+    realisation of its configuration is missing.
+    """
     c, name = configuration_of(record["id"]), f"{record['input']['window']}_{record['input']['method']}"
     ids = [realization_id(c, number) for number in CERTIFIED]
     if missing := [i for i in ids if i not in certified]:
@@ -235,6 +264,9 @@ def make(
     """The records of the `wanted` ids, from the inputs of `old` ones.
 
     Slow ones that were done before, by the same source, are found in `work`.
+
+    Order is vectors, realisations, ensembles, whatever the order of `wanted`. `step` is called after each. Raises
+    LeakrefError where the routes disagree in a shell that has no note; then nothing of that entry is made.
     """
     vectors = {v.id: v for members in VECTORS.values() for v in members}
     for identifier in (i for i in wanted if i in vectors):
@@ -258,13 +290,17 @@ def make(
 
 
 def certified(wanted: Sequence[str], work: Path | None, workers: int) -> Iterator[dict[str, Any]]:
-    """The records of realisations, in order; several at a time with several `workers`, each with up to 9 GB."""
+    """The records of realisations, in order; several at a time with several `workers`, each with up to 9 GB.
+
+    Their ids end with the number of the realisation. What an earlier run of the same source left in `work` is taken.
+    """
     one = partial(_certify, work=work)
     with runs.pool(min(workers, max(1, len(wanted)))) as executor:
         yield from (map(one, wanted) if executor is None else executor.map(one, wanted))
 
 
 def _certify(identifier: str, work: Path | None) -> dict[str, Any]:
+    """One realisation on one thread, so that the last bits do not depend on the machine's cores."""
     with threadpool_limits(limits=1):
         return _resumed(
             identifier, work, partial(_realization, configuration_of(identifier), int(identifier.rsplit("/", 1)[1]))
@@ -272,7 +308,9 @@ def _certify(identifier: str, work: Path | None) -> dict[str, Any]:
 
 
 def _resumed(identifier: str, work: Path | None, make: Callable[[], dict[str, Any]]) -> dict[str, Any]:
-    """A record from `work`, if an earlier run of the same source left it there, else made and left there."""
+    """A record from `work`, if an earlier run of the same source left it there, else made and left there. Kept under
+    the digest of the sources, so that a change of anything that counts makes it anew.
+    """
     if work is None:
         return make()
     about = {"id": identifier, "source": _source_digest()}

@@ -1,4 +1,8 @@
-"""The ids of all golden values, and in which file each stands."""
+"""The ids of all golden values, and in which file each stands.
+
+An id is never given to another value: where a definition has to change, a new id supersedes the old one. `making`,
+`verifying` and the checks of conformance find entries by these ids only.
+"""
 
 from __future__ import annotations
 
@@ -13,12 +17,18 @@ CERTIFIED = (0, 1)
 
 
 def realization_id(c: Configuration, number: int) -> str:
-    """The id of one realisation of a configuration."""
+    """The id of one realisation of a configuration.
+
+    Such as `realization-gamma/spread=15,peakedness=7/0`.
+    """
     return f"realization-{c.id}/{number}"
 
 
 def ensemble_id(c: Configuration, window: str, method: str) -> str:
-    """The id of the ensemble of a configuration under a window and a method."""
+    """The id of the ensemble of a configuration under a window and a method.
+
+    Such as `ensemble-nsp-ls/hann-nsp`.
+    """
     return f"ensemble-{c.id}/{window}-{method}"
 
 
@@ -27,7 +37,10 @@ def _file_of(part: str, name: str) -> str:
 
 
 def ids(*parts: str) -> dict[str, str]:
-    """Every id that can be made, and the file it belongs in."""
+    """Every id that can be made, and the file it belongs in.
+
+    `parts` are names of the folders of a set (`sets.SETS`); without any there are none. The order is that of the files.
+    """
     found = {
         v.id: _file_of(part, v.stage if part == "vectors" else "windows")
         for part, vectors in VECTORS.items()
@@ -43,6 +56,9 @@ def ids(*parts: str) -> dict[str, str]:
 
 
 def configuration_of(identifier: str) -> Configuration:
-    """The configuration that the id of a realisation or an ensemble names."""
+    """The configuration that the id of a realisation or an ensemble names.
+
+    Raises StopIteration for an id that names none: ids come from `ids` or from a set that has been linted.
+    """
     name = identifier.split("-", 1)[1].rsplit("/", 1)[0]
     return next(c for members in CASES.values() for c in members if c.id == name)

@@ -1,4 +1,9 @@
-"""Is a golden set whole and unchanged? Schemas, counts, ids, digests, and that every tolerance is the formula's."""
+"""Is a golden set whole and unchanged? Schemas, counts, ids, digests, and that every tolerance is the formula's.
+
+Nothing is computed here: it is about whether the numbers are those that were made, and about what each entry must state
+of itself. Used by `leakref golden lint`, and before every verification. A file that cannot be read is one failure, and
+the others are still looked at.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +27,12 @@ _FORM = 4  # items of an array that show its form
 
 
 def lint(golden: Golden | None = None) -> Report:
-    """See that the set is whole and unchanged: schemas, counts, ids, digests, purposes, tolerances."""
+    """See that the set is whole and unchanged: schemas, counts, ids, digests, purposes, tolerances.
+
+    `golden` is set 1 unless given. Returned is a row for each part with its files, entries and values, how many values
+    in all, and a Failure for each fault, which names the entry or the file. If the manifest itself cannot be trusted
+    nothing else is looked at. Nothing is raised for a set that is damaged.
+    """
     golden = golden or Golden()
     try:
         manifest, schema, as_stored = (
@@ -103,7 +113,9 @@ def _form_fault(outline: str, schema: str) -> str:
 
 
 def _outline(value: Any) -> Any:
-    """A record with the first items of its arrays only: the schema is about its form, the digest about every number."""
+    """A record with the first items of its arrays only: the schema is about its form, the digest about every number.
+    So the schema is asked once for each form, however many numbers there are.
+    """
     if isinstance(value, dict):
         return {key: _outline(item) for key, item in value.items()}
     return [_outline(item) for item in value[:_FORM]] if isinstance(value, list) else value
@@ -112,6 +124,10 @@ def _outline(value: Any) -> Any:
 def _entry_faults(
     entry: Entry, row: Mapping[str, Any], schema: dict[str, Any], seen: dict[str, Entry]
 ) -> Iterator[Failure]:
+    """What is amiss with one entry: its form by the schema, its id, its digest, the shapes and the formula of its
+    tolerances, digits that are fewer than the tolerance promises, and values that lack a number without a reason.
+    `seen` collects ids.
+    """
     name = str(entry.record.get("id", f"an entry without id in {entry.file}"))
     stage = str(entry.record.get("stage", ""))
     fault = _form_fault(json.dumps(_outline(entry.record)), json.dumps(schema))

@@ -47,7 +47,9 @@ def _text(value: Any, indent: int = 0) -> str:
 
 
 def _split(record: dict[str, Any], file: str, archived: Sequence[str]) -> tuple[dict[str, Any], dict[str, FloatArray]]:
-    """Large inputs go to the npz beside the file."""
+    """Large inputs go to the npz beside the file. An archived input becomes a reference to an array, `{"npz": file,
+    "array": id.name}`; the arrays are returned beside.
+    """
     arrays: dict[str, FloatArray] = {}
     for name in archived:
         arrays[f"{record['id']}.{name}"] = np.asarray(record["input"][name], dtype=np.float64)
@@ -115,10 +117,13 @@ def regenerate(
 ) -> tuple[list[dict[str, Any]], bool]:
     """Compute entries, again or for the first time: rows saying what became of each, whether nothing is left open.
 
-    Nothing wanted: all that the set holds; what differs is written beside the old file as `NAME.new.json` and not
-    taken over. An id that is named is written to the set, over the old one if there is one. A pattern such as
-    `nsp-*`, or the name of a part such as `realizations`, adds what is missing and never replaces. Raises LeakrefError
-    for an unknown id.
+    Nothing wanted: all that the set holds; what differs is written beside the old file as `NAME.new.json` and not taken
+    over. An id that is named is written to the set, over the old one if there is one. A pattern such as `nsp-*`, or the
+    name of a part such as `realizations`, adds what is missing and never replaces. Raises LeakrefError for an unknown
+    id. Each row has `id`, `change` (`same`, `new`, or which fields differ), `largest` (the largest change of a value),
+    the same over its tolerance, and whether it was `written`. Entries that agree with the old ones within their
+    tolerance are `same` and not written, since other processors round otherwise. `work` is where slow parts are kept;
+    `step` is called after each entry. LeakrefError is also raised where routes disagree.
     """
     possible = ids(*SETS)
     golden = Golden(folder)
@@ -166,13 +171,16 @@ def regenerate(
 
 
 def _save(folder: Path, entries: Mapping[str, Entry], possible: Mapping[str, str], file: str) -> None:
+    """The file `file` anew, with all its entries in the order of the ids."""
     order = {identifier: n for n, identifier in enumerate(possible)}
     members = sorted((e for e in entries.values() if e.file == file), key=lambda e: order.get(e.id, len(order)))
     _write(folder, file, members)
 
 
 def _difference(before: Entry | None, after: Entry, taken: bool) -> dict[str, Any]:
-    """What changed between two records of one id: largest change of a value, over its tolerance, and other keys."""
+    """What changed between two records of one id: largest change of a value, over its tolerance, and other keys.
+    Outputs of another shape, or with a number where there was none, are infinitely far apart.
+    """
     if before is None:
         return {"change": "new", "largest": None, "over_tolerance": None, "written": taken}
     largest = over = 0.0

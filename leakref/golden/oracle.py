@@ -26,7 +26,9 @@ Number = Any  # mpf or mpc
 
 
 def at_digits(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Run `function` with its digits."""
+    """Run `function` with its digits. The module itself sets no precision: what is called without this runs at mpmath's
+    own.
+    """
 
     @wraps(function)
     def run(*args: Any, **kwargs: Any) -> Any:
@@ -40,12 +42,12 @@ def at_digits(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def dispersion(k: Number, gravity: Number = 1) -> Number:
-    """omega0 of sec:theory."""
+    """omega0 of sec:theory. omega0 = sqrt(g k), deep water."""
     return mp.sqrt(mpf(gravity) * mpf(k))
 
 
 def jonswap(w: Number, peakedness: Number) -> Number:
-    """eq:JONSWAP."""
+    """eq:JONSWAP. `w` is in units of the peak's frequency; N = 1."""
     w = mpf(w)
     sigma = mpf(7) / 100 if w <= 1 else mpf(9) / 100
     r = mp.exp(-((w - 1) ** 2) / (2 * sigma**2))
@@ -81,7 +83,9 @@ def lattice_phase(realization: int, i: int, j: int) -> Number:
 
 
 def doppler(current: Mapping[str, Any], k: Number) -> tuple[Number, Number]:
-    """eq:SJ, 2k times the integral of U(z) exp(2kz) over z <= 0, by quadrature."""
+    """eq:SJ, 2k times the integral of U(z) exp(2kz) over z <= 0, by quadrature. Substituted is s = exp(2 k z), so that
+    the half line becomes 0 to 1.
+    """
     k = mpf(k)
 
     def component(axis: int) -> Number:
@@ -144,7 +148,7 @@ def components(sea: Mapping[str, Any], shift: Callable[[Number], tuple[Number, N
 def surface(
     waves: Sequence[Sequence[float]], x: Sequence[float], y: Sequence[float], t: Sequence[float]
 ) -> list[list[list[Number]]]:
-    """eta[x][y][t], wave by wave."""
+    """eta[x][y][t], wave by wave. In the units of the waves; axes as given."""
     listed = [[mpf(v) for v in wave] for wave in zip(*waves, strict=True)]
     return [
         [

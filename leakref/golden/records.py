@@ -1,4 +1,9 @@
-"""The record of an entry as it is written: outputs, their accuracy, reasons where there is no number."""
+"""The record of an entry as it is written: outputs, their accuracy, reasons where there is no number.
+
+Used by `entries` alone. It decides what an entry states of its accuracy: digits on which all routes agree, the
+conditioning, and the tolerance that follows from it (`sets.tolerance`). Where routes are farther apart than that
+tolerance there is no record, but a LeakrefError.
+"""
 
 from __future__ import annotations
 
@@ -35,7 +40,10 @@ def _values(value: FloatArray) -> Any:
 def _accuracy(
     name: str, identifier: str, golden: FloatArray, others: Mapping[str, FloatArray], conditioning: Any
 ) -> dict[str, Any]:
-    """Digits, conditioning and tolerance of one output; LeakrefError if a route is farther off than that."""
+    """Digits, conditioning and tolerance of one output; LeakrefError if a route is farther off than that. The digits
+    are those of the route that is farthest off. Where an output is all zero but for rounding its conditioning stands in
+    for its size.
+    """
     kappa = np.asarray(conditioning, dtype=np.float64)
     allowed = np.asarray([tolerance(float(c)) for c in kappa.ravel()]).reshape(kappa.shape)
     per_item = allowed.reshape(allowed.shape + (1,) * (golden.ndim - allowed.ndim if allowed.ndim else 0))
@@ -59,6 +67,9 @@ def _accuracy(
 
 
 def _reasons(golden: FloatArray, notes: Sequence[Sequence[str]] | None) -> list[str]:
+    """For each item of the first axis why there is no number there: its notes, or just that there is none; empty where
+    there is.
+    """
     rows = golden.reshape(golden.shape[0], -1) if golden.ndim else golden.reshape(1, 1)
     missing = [bool(np.isnan(row).any()) for row in rows]
     return [
@@ -111,7 +122,11 @@ def head_of(
     decisions: Iterable[str] = (),
     supersedes: str | None = None,
 ) -> dict[str, Any]:
-    """The first fields of a record: what the entry is, how hard it is, and what it is for."""
+    """The first fields of a record: what the entry is, how hard it is, and what it is for.
+
+    `difficulty` is a word for readers, `purpose` the mistake that the entry would show, `equation` the paper's label;
+    `faults` and `decisions` are ids; `supersedes` is the id of an entry that this one replaces.
+    """
     return {
         "id": identifier,
         "stage": stage,
@@ -125,7 +140,11 @@ def head_of(
 
 
 def vector_record(vector: Vector, before: Entry | None = None) -> dict[str, Any]:
-    """The record of a vector, by every route and the high-precision oracle; `before` is what the set has of it."""
+    """The record of a vector, by every route and the high-precision oracle; `before` is what the set has of it.
+
+    Values of the oracle are kept where the stage has one, else those of its first route. Inputs come from `before`
+    where they are the same but for rounding (`same.given`). Raises LeakrefError where a route is too far off.
+    """
     stage, put_in = STAGES[vector.stage], given(vector, before)
     found = {route: compute(put_in) for route, compute in stage.routes.items()}
     first = next(iter(found))

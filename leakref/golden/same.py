@@ -24,7 +24,11 @@ _COMPUTED = ("output", "accuracy", "input", "resolution_frequency", "resolution_
 
 
 def alike(a: Any, b: Any, allowed: Any = None) -> bool:
-    """Whether two values of JSON are the same but for the rounding of numbers: by `allowed`, or of each its own."""
+    """Whether two values of JSON are the same but for the rounding of numbers: by `allowed`, or of each its own.
+
+    `allowed` is an absolute difference, a number or an array that goes with the values. Without it each number may be
+    off by `tolerance(1)` of its own size. NaN is like NaN here, and lists must be of one length.
+    """
     if isinstance(a, dict) and isinstance(b, dict):
         return a.keys() == b.keys() and all(alike(a[key], b[key], allowed) for key in a)
     if isinstance(a, str | bool | None) or isinstance(b, str | bool | None):
@@ -46,7 +50,10 @@ def alike(a: Any, b: Any, allowed: Any = None) -> bool:
 
 
 def archived_tolerance(vector: Vector) -> float:
-    """By how much an archived surface may differ where it is made again: the tolerance of a golden surface."""
+    """By how much an archived surface may differ where it is made again: the tolerance of a golden surface.
+
+    It is one number, in units of `1 / k0`, from the conditioning of the stage `surface`.
+    """
     grid = Grid(tuple(vector.input["shape"]), tuple(vector.input["spacing"]))
     axes = {name: grid.samples(axis) for axis, name in enumerate("xyt")}
     return tolerance(STAGES["surface"].conditioning({**vector.input, **axes}, {})["eta"])
@@ -71,6 +78,8 @@ def agree(before: Entry, after: Entry) -> bool:
 
     Equal are words, notes, reasons and counts; inputs and resolutions but for rounding; conditioning to half of its
     digits. How many digits the routes agreed on is not compared: beyond the tolerance it is chance.
+
+    Keys must be the same ones in both. Used by `making.regenerate` to decide whether an entry has changed.
     """
     a, b = before.record, after.record
     tolerances = {

@@ -5,11 +5,18 @@ language. An entry has an id, which is never reused, inputs, outputs, and for ea
 agreed on.
 
 **Tolerance.** One formula, `tolerance`: a margin of 8 times the rounding of float64, 2^-52, times the conditioning that
-the entry states: by how much, to first order and in the output's own unit, an output moves if every rounding on the
-way is one unit of 2^-52. It is computed when an entry is made (`leakref.golden.entries`), never chosen. Whole numbers
-and phases have conditioning 0: they are compared for equality.
+the entry states: by how much, to first order and in the output's own unit, an output moves if every rounding on the way
+is one unit of 2^-52. It is computed when an entry is made (`leakref.golden.entries`), never chosen. Whole numbers and
+phases have conditioning 0: they are compared for equality.
 
 NaN equals nothing. Where there is no number the golden value is null and gives its reason.
+
+An entry in its file looks like this, with lists where there are arrays:
+
+    {"id": "dispersion-scaled", "stage": "dispersion", "purpose": "...", "equation": "sec:theory", "decisions": [],
+     "supersedes": null, "input": {"wavenumber": [...], "gravity": 1.0}, "output": {"frequency": [...], ...},
+     "origin": {"values": "mpmath", "confirmed_by": ["chain"]},
+     "accuracy": {"frequency": {"digits": ..., "conditioning": ..., "tolerance": ...}, ...}}
 """
 
 from __future__ import annotations
@@ -46,20 +53,28 @@ __all__ = [
 ]
 
 EPSILON = 2.0**-52
+"""The spacing of float64 at 1."""
 MARGIN = 8.0
 """Between one rounding of every operation, as the conditioning counts it, and what is let pass."""
 SCHEMA_VERSION = 1
+"""Of entries and manifests; another one is another format."""
 SETS = ("vectors", "analytic", "realizations", "ensembles")
 """The folders of a set, from quick to slow."""
 
 
 def tolerance(conditioning: float) -> float:
-    """How far from a golden value is still the same: MARGIN x EPSILON x conditioning, in the output's unit."""
+    """How far from a golden value is still the same: MARGIN x EPSILON x conditioning, in the output's unit.
+
+    With a conditioning of 1 it is 1.8e-15, eight units in the last place of numbers near 1. It is infinite or NaN where
+    the conditioning is.
+    """
     return MARGIN * EPSILON * conditioning
 
 
 def agreed_digits(difference: float, scale: float) -> float:
-    """Decimal digits to which numbers of size `scale` that differ by `difference` agree, at most those of float64."""
+    """Decimal digits to which numbers of size `scale` that differ by `difference` agree, at most those of float64.
+    Rounded down to a tenth; `scale` is above zero.
+    """
     most = -math.log10(EPSILON)
     agreed = most if difference <= EPSILON * scale else min(most, -math.log10(difference / scale))
     return math.floor(10 * agreed) / 10
@@ -67,7 +82,10 @@ def agreed_digits(difference: float, scale: float) -> float:
 
 @dataclass(frozen=True)
 class Failure:
-    """`id` of the entry (or the file) that fell short, the `stage` if known, and `message` saying how."""
+    """`id` of the entry (or the file) that fell short, the `stage` if known, and `message` saying how.
+
+    Printed as `id: message`. The message says what was found and what it should be.
+    """
 
     id: str
     message: str
@@ -79,7 +97,11 @@ class Failure:
 
 @dataclass(frozen=True)
 class Report:
-    """What was looked at: a row for each part of the set, how many golden numbers, what fell short."""
+    """What was looked at: a row for each part of the set, how many golden numbers, what fell short.
+
+    - `sets`: a row for each part, a mapping from column to value; `values`: golden numbers looked at.
+    - `failures`: empty if nothing fell short.
+    """
 
     sets: list[dict[str, Any]]
     values: int
@@ -93,7 +115,11 @@ class Report:
 
 @dataclass(frozen=True)
 class Entry:
-    """One golden record and the file (relative to its set's folder) it is from."""
+    """One golden record and the file (relative to its set's folder) it is from.
+
+    - `file`: such as `vectors/nsp.json`; `record`: the object in that file, as it is.
+    - `arrays`: of the npz beside the file, by `id.name`; large inputs are kept there and not in the JSON.
+    """
 
     file: str
     record: Mapping[str, Any]
@@ -111,7 +137,7 @@ class Entry:
 
     @cached_property
     def input(self) -> dict[str, Any]:
-        """The inputs; arrays kept in an npz are read in."""
+        """The inputs; arrays kept in an npz are read in. Numbers and lists stay as JSON has them."""
         return {name: self._array(value) for name, value in self.record["input"].items()}
 
     @cached_property
@@ -120,7 +146,10 @@ class Entry:
         return {name: np.array(self._array(value), dtype=np.float64) for name, value in self.record["output"].items()}
 
     def tolerance(self, name: str) -> FloatArray:
-        """Of output `name`: one number, or one for each item of its first axis; infinite where it is null."""
+        """Of output `name`: one number, or one for each item of its first axis; NaN where it is null.
+
+        Its shape can be broadcast against the output: (), or (n, 1, ...) for an output whose first axis has n items.
+        """
         given = np.asarray(self.record["accuracy"][name]["tolerance"], dtype=np.float64)
         return given.reshape(given.shape + (1,) * (self.output[name].ndim - given.ndim if given.ndim else 0))
 
@@ -136,7 +165,10 @@ class Entry:
 
 
 def locate(number: int = 1) -> Traversable:
-    """The folder of golden set `number`, as installed. Raises LeakrefError if there is none."""
+    """The folder of golden set `number`, as installed. Raises LeakrefError if there is none.
+
+    `number` counts from 1: `v1`, `v2`, ...
+    """
     folder = resources.files("leakref._golden").joinpath(f"v{number}")
     if not folder.joinpath("manifest.json").is_file():
         raise LeakrefError("golden.locate", f"there is no golden set number {number}", "choose another with --golden")
@@ -148,6 +180,14 @@ class Golden:
 
     Files are read when asked for, and compared with the digests of the manifest before anything in them is used;
     `Damaged` if one cannot be read or was changed.
+
+    `folder` is set 1 as installed unless given; a path or anything that `importlib.resources` gives.
+
+    For instance, to hold a code of one's own to an entry:
+
+        entry = Golden().entry("dispersion-scaled")
+        found = {"frequency": ..., "phase_velocity": ..., "group_velocity": ...}  # from entry.input
+        print(compare(entry, found) or "agrees")
     """
 
     def __init__(self, folder: Traversable | None = None) -> None:
@@ -164,7 +204,10 @@ class Golden:
 
     @cached_property
     def manifest(self) -> dict[str, Any]:
-        """What the set says it holds."""
+        """What the set says it holds.
+
+        Read once. `Damaged` is raised if it cannot be read, is not strict JSON, or is not sealed by its own digest.
+        """
         said = self._json("manifest.json")
         if not isinstance(said, dict) or not isinstance(said.get("files"), dict) or not sealed(said):
             raise Damaged("golden", "manifest.json was changed: its own SHA-256 is not that of what it says", PUT_BACK)
@@ -178,11 +221,18 @@ class Golden:
         return content
 
     def file(self, name: str) -> list[Entry]:
-        """The entries of one JSON file of the set, with the arrays that lie beside it."""
+        """The entries of one JSON file of the set, with the arrays that lie beside it.
+
+        Raises `Damaged` if either file cannot be read or has another digest than the manifest's.
+        """
         return self.as_it_is(name, self._unchanged)
 
     def as_it_is(self, name: str, read: Callable[[str], bytes] | None = None) -> list[Entry]:
-        """The same whatever the manifest says: for finding out what was changed."""
+        """The same whatever the manifest says: for finding out what was changed.
+
+        `read` gives the bytes of a file by name; the default takes them as they are. `Damaged` is raised for what
+        cannot be parsed.
+        """
         read = read or self._read
         beside = name.removesuffix(".json") + ".npz"
         arrays: dict[str, FloatArray] = {}
@@ -202,7 +252,10 @@ class Golden:
                 yield from self.file(name)
 
     def entry(self, identifier: str) -> Entry:
-        """The entry of that id. Raises LeakrefError."""
+        """The entry of that id. Raises LeakrefError.
+
+        Only the file that holds it is read.
+        """
         for name, row in self.manifest["files"].items():
             if identifier in row.get("entries", ()):
                 return next(entry for entry in self.file(name) if entry.id == identifier)
@@ -214,7 +267,11 @@ class Golden:
 
 
 def entry_digest(entry: Entry) -> str:
-    """Of the record and of the arrays it names."""
+    """Of the record and of the arrays it names.
+
+    That is of the canonical JSON and, for arrays, of name, shape and little-endian float64 bytes, so that neither an
+    indentation nor the way an archive is packed counts.
+    """
     used = sorted(
         {
             value["array"]
@@ -234,6 +291,10 @@ def compare(entry: Entry, found: Mapping[str, Any], route: str = "") -> list[Fai
     """How `found`, arrays by output name, falls short of the golden values; empty if it agrees.
 
     A number is wanted where there is one, and none (NaN) where the golden value is null with its reason.
+
+    `route` only names itself in the messages. An output that is missing or of another shape is a Failure; of values
+    that differ the worst is named, with what is allowed and what the entry is there for. Outputs that the entry does
+    not have are not looked at.
     """
     by = f" by route {route}" if route else ""
     failures = []

@@ -1,4 +1,9 @@
-"""Computing golden values again and comparing them with what is kept."""
+"""Computing golden values again and comparing them with what is kept.
+
+It never writes into the set: what differs is a Failure, and what to do about it is for people. Vectors are computed by
+the routes of their stage, realisations by `entries.certified` and `closed_form`, ensembles by `leakref.runs`. Whether
+files were changed is looked at before, by `linting`.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +31,11 @@ __all__ = ["looked_at", "verify", "verify_entry"]
 
 
 def verify_entry(entry: Entry, routes: Sequence[str] | None = None, *, with_oracle: bool = False) -> list[Failure]:
-    """Compute a vector again by the routes of its stage and compare; an exception is a failure like any other."""
+    """Compute a vector again by the routes of its stage and compare; an exception is a failure like any other.
+
+    `routes` are those to try, by default all that the stage has; `with_oracle` adds the paper's formulas with 40
+    digits, which start where the first route ended. Notes have to be equal to the letter.
+    """
     stage = STAGES[entry.stage]
     failures: list[Failure] = []
     first: dict[str, Any] | None = None
@@ -69,6 +78,9 @@ def verify(
     is kept in `work`, so that an interrupted run goes on where it stopped. `wanted` are ids, or patterns of them, to
     look at instead, as in a full run; with `route` A ensembles are confirmed by the surface and the FFT, 16 s a
     realisation.
+
+    `step` is called for each entry. Decisions whose reference has changed since the set was made are failures as well.
+    Raises LeakrefError for an id or pattern in `wanted` that no entry has.
     """
     golden = golden or Golden()
     failures = [
@@ -94,7 +106,11 @@ def verify(
 
 
 def looked_at(golden: Golden, full: bool, wanted: Sequence[str] = ()) -> list[Entry]:
-    """The entries that `verify` compares. Raises LeakrefError for an id or a pattern that is none of them."""
+    """The entries that `verify` compares. Raises LeakrefError for an id or a pattern that is none of them.
+
+    Entries that others supersede are left out. In a quick look there are vectors, analytic values, and realisation 0 of
+    configurations small enough.
+    """
     entries = list(golden.entries())
     for pattern in wanted:
         if not any(fnmatchcase(e.id, pattern) for e in entries):
@@ -146,7 +162,9 @@ def _is_huge_again(entry: Entry) -> bool:
 
 
 def _without_null(entry: Entry, found: Mapping[str, Any], route: str) -> list[Failure]:
-    """Compare where there is a certified number; where the routes once differed there is nothing to hold to."""
+    """Compare where there is a certified number; where the routes once differed there is nothing to hold to. A null for
+    any other reason must still be a null.
+    """
     reasons = entry.record.get("reasons", {})
     mine = dict(found)
     for name, said in reasons.items():

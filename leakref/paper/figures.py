@@ -1,4 +1,8 @@
-"""Every figure of the paper: those without results, and results from ensembles, computed or golden."""
+"""Every figure of the paper: those without results, and results from ensembles, computed or golden.
+
+Results are drawn alike whether they were just computed (`reproduce`) or are those of the golden set (`stored`), in the
+form of the paper's figures: bias and twice the random part against wavenumber, with both resolutions.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +34,9 @@ RESULTS = {
 
 @dataclass(frozen=True, eq=False)
 class Stored:
-    """The statistics of an ensemble that a golden set keeps: at n `wavenumbers`, in c0."""
+    """The statistics of an ensemble that a golden set keeps: at n `wavenumbers`, in c0. Arrays are (n,), `mean` is (n,
+    2). It has what a picture needs, and no single velocities.
+    """
 
     configuration: Configuration
     window: str
@@ -66,7 +72,7 @@ class Stored:
 
 
 def stored(golden: Golden | None = None) -> Iterator[Stored]:
-    """Every ensemble of the paper as the golden set has it."""
+    """Every ensemble of the paper as the golden set has it. Raises Damaged for a set that is not whole."""
     known = {c.id: c for members in CASES.values() for c in members}
     for entry in (golden or Golden()).entries("ensembles"):
         given, out = entry.record["input"], entry.output
@@ -84,7 +90,9 @@ def stored(golden: Golden | None = None) -> Iterator[Stored]:
 
 
 def draw_results(out: Path, results: Sequence[Result], realizations: int) -> list[dict[str, Any]]:
-    """A figure for each case, or each of its rotations, in the form of the paper's: `labels` there, `files` here."""
+    """A figure for each case, or each of its rotations, in the form of the paper's: `labels` there, `files` here.
+    `results` are Ensembles or Stored; of LS only those of its own case are drawn. Each figure is a PNG and an SVG.
+    """
     groups: dict[str, list[Result]] = {}
     for e in results:
         if e.method == "nsp" or e.configuration.case == "nsp-ls":

@@ -1,4 +1,8 @@
-"""The figures of the paper that show no results: what leakage is, and how the method works, from their captions."""
+"""The figures of the paper that show no results: what leakage is, and how the method works, from their captions.
+
+Four figures, each a function without arguments, drawn from the captions: they share the paper's parameters and not its
+drawings. The windows, seas and spectra are the chain's own.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +33,9 @@ _FAINTEST = 1e-5
 
 @styled
 def leakage_lobes() -> Figure:
-    """fig:leakage_lobes: transforms of the windows over their values at zero, far out and near by."""
+    """fig:leakage_lobes: transforms of the windows over their values at zero, far out and near by. Offsets are in bins;
+    long-range leakage is what lies beyond a few of them.
+    """
     drawing, axes = figure(1, 2, width=8.5, height=3.2, sharey=True, width_ratios=(2, 1))
     for ax, furthest in zip(axes[0], (25, 4), strict=True):
         v = np.linspace(0, furthest, 200 * furthest + 1)
@@ -52,7 +58,9 @@ def leakage_lobes() -> Figure:
 
 @styled
 def spectrum_examples() -> Figure:
-    """fig:spectrum_examples: S(omega), and the amplitudes along the mean direction, over their peaks."""
+    """fig:spectrum_examples: S(omega), and the amplitudes along the mean direction, over their peaks. The amplitudes
+    are those of eq:amplitudes along the mean direction, and end at the largest wavenumber of the waves.
+    """
     drawing, axes = figure(2, 1, width=6.0, height=2.5)
     top, bottom = axes[:, 0]
     k = np.linspace(1e-3, 4.0, 4000)
@@ -78,7 +86,8 @@ def spectrum_examples() -> Figure:
 def two_dimensional_leakage() -> Figure:
     """fig:leakage_illustration2D: four sine waves, the first on a bin, the last half way between bins.
 
-    Triangles are the waves, circles the bins of the transform; left without a window, right with Hann.
+    Triangles are the waves, circles the bins of the transform; left without a window, right with Hann. Waves are seen
+    through `Window.response`, exactly, with their mirror images; no transform is taken.
     """
     size, i, j = 64, np.arange(0, 33), np.arange(0, 17)
     waves = [(5 + 7 * n + n / 6, 8 + n / 6) for n in range(4)]
@@ -141,7 +150,9 @@ def _surface(ax: Axes3D, velocity: tuple[float, float], colour: str, title: str)
 
 
 def _unrolled(spectrum: Spectrum, theta: FloatArray) -> FloatArray:
-    """F of eq:maskedSpec at k_i (cos theta, sin theta), by linear interpolation between bins: (theta, nw)."""
+    """F of eq:maskedSpec at k_i (cos theta, sin theta), by linear interpolation between bins: (theta, nw). What is
+    drawn at an angle lies between bins; the chain itself never interpolates.
+    """
     order = np.ix_(np.argsort(spectrum.i), np.argsort(spectrum.j))
     magnitude = np.abs(spectrum.values[order])
     dkx, dky, _ = spectrum.grid.bin_widths
@@ -154,7 +165,8 @@ def cylinder() -> Figure:
     """fig:cylinderIllustration: the dispersion surface cut by a cylinder, in still water and with a current, and the
     magnitude on the cylinder unrolled, with the cut in still water and the fit by NSP.
 
-    The magnitude is that of one realisation of a broad sea (L = 10, T = 20, tapered) on the current.
+    The magnitude is that of one realisation of a broad sea (L = 10, T = 20, tapered) on the current. The dashed line is
+    where all energy would be in still water, the full one where the fit puts it.
     """
     grid = Grid.scaled(10, 20)
     waves = SeaState(direction=60, spread=180, length=10, current=UniformCurrent(_CURRENT)).components(0)

@@ -1,4 +1,8 @@
-"""`leakref reproduce`: the paper's cases as tables, data and figures."""
+"""`leakref reproduce`: the paper's cases as tables, data and figures.
+
+Everything that a run computes is written: tables as CSV, velocities and notes as npz, one JSON of all, and figures if
+asked for. Parts lie in `OUT/parts`, from where `claims` and a second run take them.
+"""
 
 from __future__ import annotations
 
@@ -44,6 +48,10 @@ def run(
 
     Realisations already in `out`, of the same source and settings, are not computed again. With `everything`, `figures`
     are those of the paper that show no results as well.
+
+    `route` is `A` or `B`; `scheduler` the address of a dask cluster, which goes before `workers`. LeakrefError is
+    raised for an unknown id and for what `runs` refuses. For case shear there is also a table of inferred shears, and
+    the answer in words.
     """
     chosen = _named(ids)
     folder(out)
@@ -75,11 +83,14 @@ def run(
 
 
 def _file_name(configuration_id: str) -> str:
+    """An id as part of a file's name: `gamma_spread15_peakedness7`."""
     return configuration_id.replace("/", "_").replace(",", "_").replace("=", "")
 
 
 def _write(out: Path, name: str, ensembles: Sequence[Ensemble]) -> None:
-    """A CSV for each window and method, and the velocities of every realisation as an npz."""
+    """A CSV for each window and method, and the velocities of every realisation as an npz. Arrays in the npz are named
+    `WINDOW_METHOD_velocities` (R, n, 2) and `..._notes` (R, n).
+    """
     for e in ensembles:
         columns = {
             "wavenumber": e.wavenumbers,
@@ -116,6 +127,7 @@ def _record(e: Ensemble) -> dict[str, Any]:
 
 
 def _draw(out: Path, ensembles: Sequence[Ensemble], realizations: int, everything: bool) -> list[Path]:
+    """Paths of all pictures; of case shear one of its own."""
     from leakref.figures import save
     from leakref.paper.figures import draw_illustrations, draw_results
 
@@ -156,7 +168,11 @@ def _shear_table(rows: Sequence[Inferred], realizations: int) -> Table:
 
 
 def table(ensembles: Sequence[Ensemble]) -> Table:
-    """Bias and random part for each wavenumber, beside both resolutions; those beyond the smaller one in red."""
+    """Bias and random part for each wavenumber, beside both resolutions; those beyond the smaller one in red.
+
+    `ensembles` are those of one configuration, a column each; the notes of all are counted in the caption. With a
+    current nothing is red, since |c| is no error then.
+    """
     first = ensembles[0]
     result = Table(
         title=f"{first.configuration.id}: mean ± standard deviation of |c|, in c0",
@@ -180,6 +196,7 @@ def table(ensembles: Sequence[Ensemble]) -> Table:
 
 
 def _caption(ensembles: Sequence[Ensemble]) -> str:
+    """Realisations, what is red, and how often each note was made."""
     flagged = {name: sum(int(e.noted(note).sum()) for e in ensembles) for note in Note for name in note.names}
     shells = sum(e.notes.size for e in ensembles)
     said = ", ".join(f"{name} {count}" for name, count in flagged.items() if count) or "none"

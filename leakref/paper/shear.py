@@ -43,6 +43,7 @@ SHEAR = 0.1
 DEPTH = 0.5
 """Of the exponential profile in 1 / k0."""
 PROFILES = ("uniform", "linear", "exponential")
+"""How the current varies with depth: not at all, linearly, or as exp(z / `DEPTH`)."""
 DIRECTIONS = {90.0: "following", 0.0: "crossing", -90.0: "opposing"}
 """Of the current, in degrees; the waves go to 90."""
 BANDS = {"from the peak up": 1.0, "all": 0.0}
@@ -51,7 +52,11 @@ BANDS = {"from the peak up": 1.0, "all": 0.0}
 
 @dataclass(frozen=True)
 class Sheared(Configuration):
-    """A configuration whose current varies with depth, by `profile`; `speed` is its speed at the surface."""
+    """A configuration whose current varies with depth, by `profile`; `speed` is its speed at the surface.
+
+    `profile` is one of `PROFILES`, else LeakrefError. The true velocity differs from shell to shell (`truth`), so that
+    `current`, that at the surface, is no truth for the errors.
+    """
 
     profile: str = "uniform"
 
@@ -98,7 +103,9 @@ SHEARED = tuple(
 
 
 def sheared(name: str) -> tuple[Sheared, ...]:
-    """The configurations of case shear that `name` stands for, all or one; none if it is no name of theirs."""
+    """The configurations of case shear that `name` stands for, all or one; none if it is no name of theirs. `name` is
+    `shear` or the id of one.
+    """
     return tuple(c for c in SHEARED if name in (c.case, c.id))
 
 
@@ -108,6 +115,8 @@ class Inferred:
 
     `mean` and `random` are over realisations, `standard_error` is of the mean. `true` is what the same slope gives for
     the velocities of eq:SJ themselves: the shear of a linear profile, and a mean one of others.
+
+    `direction` is that of the current in degrees, `band` a key of `BANDS`.
     """
 
     profile: str
@@ -131,7 +140,9 @@ class Inferred:
 
 
 def _slope(wavenumbers: FloatArray, velocities: FloatArray) -> FloatArray:
-    """Least-squares slope of velocities (..., n) over the effective depths -1 / 2k, (...); none of a constant."""
+    """Least-squares slope of velocities (..., n) over the effective depths -1 / 2k, (...); none of a constant. Depths
+    are -1 / 2k, in `1 / k0`, so that a slope is in `c0 k0`.
+    """
     z = -0.5 / wavenumbers
     z = z - z.mean()
     return (velocities - velocities[..., :1]) @ z / (z @ z)
@@ -139,7 +150,9 @@ def _slope(wavenumbers: FloatArray, velocities: FloatArray) -> FloatArray:
 
 def inferred(ensemble: Ensemble) -> list[Inferred]:
     """The shear inferred from each realisation's velocities along the current, for both BANDS; without those
-    realisations that lack a number."""
+    realisations that lack a number. Two rows, in the order of `BANDS`. Raises LeakrefError for an ensemble of another
+    case.
+    """
     c, k = ensemble.configuration, ensemble.wavenumbers
     if not isinstance(c, Sheared):
         raise LeakrefError("inferred", f"{c.id} is no configuration of case shear", "pass an ensemble of one")
@@ -166,7 +179,9 @@ def inferred(ensemble: Ensemble) -> list[Inferred]:
 
 
 def answer(rows: Sequence[Inferred]) -> str:
-    """How much of an inferred shear is leakage, in a sentence for each band: by NSP, untapered and tapered."""
+    """How much of an inferred shear is leakage, in a sentence for each band: by NSP, untapered and tapered. Rows of LS
+    are left out.
+    """
     said = []
     for band in BANDS:
         added, made = [], []

@@ -1,4 +1,8 @@
-"""The picture of case shear: velocities against the depth that each wavenumber feels."""
+"""The picture of case shear: velocities against the depth that each wavenumber feels.
+
+A straight line in these axes is a linear profile. The slope of the points is the shear that would be inferred, and
+leakage bends it; `shear` computes the figures in the titles.
+"""
 
 from __future__ import annotations
 

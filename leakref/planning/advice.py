@@ -1,4 +1,8 @@
-"""What a plan comes to, in the paper's terms (its recommendations for mitigation), with the figures just computed."""
+"""What a plan comes to, in the paper's terms (its recommendations for mitigation), with the figures just computed.
+
+Every sentence states its figures, and says so where the paper's rule does not hold for this campaign: the advice is
+what was just simulated, and not a table of rules. A difference counts from two standard errors on.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +21,10 @@ _SURE = 2.0  # standard errors from which a difference is one
 
 
 def ranges(wavelengths: Sequence[float], chosen: Sequence[bool]) -> list[tuple[float, float]]:
-    """The runs of `chosen` among `wavelengths`, each as (longest, shortest)."""
+    """The runs of `chosen` among `wavelengths`, each as (longest, shortest).
+
+    `wavelengths` are in metres, longest first, and `chosen` as many. A run of one is (w, w).
+    """
     found: list[list[float]] = []
     for n, wavelength in enumerate(wavelengths):
         if chosen[n] and n and chosen[n - 1]:
@@ -28,7 +35,11 @@ def ranges(wavelengths: Sequence[float], chosen: Sequence[bool]) -> list[tuple[f
 
 
 def advice(plan: Plan) -> list[str]:
-    """Sentences: taper or not, which method, which wavelengths to trust, whether to enlarge the area or the video."""
+    """Sentences: taper or not, which method, which wavelengths to trust, whether to enlarge the area or the video.
+
+    The list is in the order of importance: frame rate if it aliases, window, method, wavelengths to trust, area against
+    duration.
+    """
     best = plan.best
     said = []
     lowest = plan.campaign.aliased_below()
@@ -52,7 +63,9 @@ def _ratio(other: tuple[float, float], own: tuple[float, float]) -> tuple[float,
 
 
 def _against(what: str, best: Expected, other: Expected, name: str) -> str:
-    """Whether the recommended way is better than the `other` here, and by how much."""
+    """Whether the recommended way is better than the `other` here, and by how much. `other` is on the same seas. Beyond
+    two standard errors it is said which is better, else that it makes no difference.
+    """
     value, error = _ratio(other.level(), best.level())
     figures = f"{value:.2g} ± {error:.1g} times that of Hann and NSP, at wavelengths up to the peak's"
     if value - 1 > _SURE * error:
@@ -71,7 +84,9 @@ def _stretches(best: Expected, chosen: npt.NDArray[np.bool_]) -> str:
 
 
 def _trust(campaign: Campaign, best: Expected) -> list[str]:
-    """Where a single flight stays within the resolution, and where within a share of the current."""
+    """Where a single flight stays within the resolution, and where within a share of the current. A wavelength is
+    trusted if bias and twice the random part stay below the resolution, and below the current itself.
+    """
     single = best.bias + 2 * best.random
     trusted = best.trusted & (single < (campaign.speed or np.inf))
     worst = int(np.argmax(np.where(trusted, single, -1)))
@@ -100,7 +115,9 @@ def _trust(campaign: Campaign, best: Expected) -> list[str]:
 
 
 def _enlarge(plan: Plan) -> str:
-    """What twice the area and twice the duration, the same amount of data, change; and so which to prefer."""
+    """What twice the area and twice the duration, the same amount of data, change; and so which to prefer. Both changes
+    double the data, so that they can be weighed against each other.
+    """
     own = plan.best.level()
     (area, area_error), (longer, longer_error) = (_ratio(e.level(), own) for e in (plan.larger, plan.longer))
     change = f"{100 * (area - 1):+.0f} ± {100 * area_error:.0f} %"

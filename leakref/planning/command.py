@@ -1,4 +1,8 @@
-"""`leakref plan`: from quantities with units to a table, advice, figures, JSON and CSV."""
+"""`leakref plan`: from quantities with units to a table, advice, figures, JSON and CSV.
+
+Options come as typed, with units, and are refused here with the option's name; the simulation is `plan`'s. Written are
+`plan.json`, tables as CSV and figures; printed is a table and the advice, or the same as JSON.
+"""
 
 from __future__ import annotations
 
@@ -46,12 +50,15 @@ _WAYS = {
 
 
 def _value(option: str, text: str) -> float:
+    """An option as a number in its unit, or a plain one if it has none."""
     unit = PARAMETERS[option][1]
     return quantity("plan", f"--{option}", text, unit) if unit else number("plan", f"--{option}", text)
 
 
 def _campaign(given: Mapping[str, str | None]) -> Campaign:
-    """From the options as typed; a rectangular area is written 128m x 96m."""
+    """From the options as typed; a rectangular area is written 128m x 96m. A current without a direction goes with the
+    waves. Raises LeakrefError as the options are read.
+    """
     values: dict[str, Any] = {
         PARAMETERS[name][0]: _value(name, text)
         for name, text in given.items()
@@ -69,7 +76,10 @@ def _campaign(given: Mapping[str, str | None]) -> Campaign:
 
 
 def parse_sweep(text: str) -> tuple[str, list[float]]:
-    """A parameter and its values from "spread=15deg:90deg:6", first, last and how many. Raises LeakrefError."""
+    """A parameter and its values from "spread=15deg:90deg:6", first, last and how many. Raises LeakrefError.
+
+    Returned are the option's name (a key of `PARAMETERS`) and 2 to 40 equally spaced values in its unit.
+    """
     name, _, values = text.partition("=")
     parts = values.split(":")
     if name not in PARAMETERS or len(parts) != 3:
@@ -101,6 +111,12 @@ def run(
     """Simulate the campaign that the options describe, write everything to `out`, print it; returns True.
 
     `workers` 0 takes all `cores` where that pays. Raises LeakrefError.
+
+    `given` are the options by name, None where they were left out; `sweep` as `parse_sweep` takes it. A sweep uses a
+    third of the realisations for each value, but at least five, unless `realizations` says how many. The JSON has at
+    its top what Hann and NSP give, arrays over wavelengths in m and m/s; under `campaign` what was asked for; under
+    `ways` every window and method; under `enlarged` the level as asked for, with twice the area and with twice the
+    duration; and the `recommendations` in words.
     """
     campaign = _campaign(given)
     name, values = parse_sweep(sweep) if sweep else ("", [])
@@ -188,6 +204,7 @@ def _record(found: Plan, said: Sequence[str], count: int) -> dict[str, Any]:
 
 
 def _columns(e: Expected) -> dict[str, Sequence[Any]]:
+    """The columns of a CSV for one way to measure, by heading."""
     record = e.record()
     mean = np.asarray(record.pop("mean_error"))
     first = {"window": [e.window] * len(mean), "method": [e.method] * len(mean)}
@@ -213,6 +230,7 @@ def _table(path: Path, rows: Sequence[tuple[dict[str, Any], Expected]]) -> None:
 
 
 def _title(c: Campaign) -> str:
+    """What was asked for, in a line, for the pictures."""
     sides = dict.fromkeys(f"{side:.4g}" for side in c.field_of_view)
     current = f"current {c.speed:.3g} m/s at {c.current_direction:.4g}°" if c.speed else "no current"
     return (
@@ -229,7 +247,11 @@ def _write(
     values: Sequence[float],
     sweeps: Sequence[Mapping[tuple[str, str], Expected]],
 ) -> list[Path]:
-    """Everything to the folder; the pictures' paths."""
+    """Everything to the folder; the pictures' paths.
+
+    `plan.json`, `plan.csv`, the figure, and of a sweep another table and figure; the first column of that table is the
+    parameter.
+    """
     from leakref.figures import save
     from leakref.planning.figures import plan_figure, sweep_figure
 
@@ -257,6 +279,7 @@ def _show(
     values: Sequence[float],
     sweeps: Sequence[Mapping[tuple[str, str], Expected]],
 ) -> None:
+    """The table, green where a wavelength can be trusted, the sweep, and the advice."""
     show, best = Console(), found.best
     count = len(best.measured.velocities)
     table = Table(
@@ -289,7 +312,9 @@ def _show(
 
 
 def _sweep_table(name: str, values: Sequence[float], sweeps: Sequence[Mapping[tuple[str, str], Expected]]) -> Table:
-    """Bias at three wavelengths for each value, untapered and tapered, by NSP."""
+    """Bias at three wavelengths for each value, untapered and tapered, by NSP. Nearest is in the ratio of wavelengths,
+    not in their difference.
+    """
     unit = PARAMETERS[name][1]
     table = Table(
         title="Mean of |c - U| by NSP in m/s, untapered and with Hann, at wavelengths nearest to those named",

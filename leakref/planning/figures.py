@@ -1,4 +1,7 @@
-"""The pictures of `leakref plan`: errors against wavelength, and how they change with one parameter."""
+"""The pictures of `leakref plan`: errors against wavelength, and how they change with one parameter.
+
+Wavelengths are in metres, velocities in m/s. What is drawn comes from `Expected` and is not computed here.
+"""
 
 from __future__ import annotations
 
@@ -32,6 +35,7 @@ def plan_figure(plan: Plan, title: str) -> Figure:
     """Bias above, twice the random part below, m/s against wavelength; untapered left, tapered right.
 
     Solid and dashed grey: the velocity resolutions. Shaded: where NSP and a taper can be trusted. Dotted: the current.
+    Bands are two standard errors of the bias.
     """
     windows = list(dict.fromkeys(window for window, _ in plan.ways))
     drawing, axes = figure(2, len(windows), width=8.5, sharex=True, sharey=True)
@@ -90,7 +94,8 @@ def plan_figure(plan: Plan, title: str) -> Figure:
 def sweep_figure(label: str, values: Sequence[float], found: Sequence[Ways], title: str) -> Figure:
     """The bias against wavelength for each value of the parameter, a panel for each window and method, in m/s.
 
-    `label` names the parameter with its unit; dark to bright is its first to its last value.
+    `label` names the parameter with its unit; dark to bright is its first to its last value. `found` has, for each
+    value, what `plan.expected` gives.
     """
     windows, methods = (list(dict.fromkeys(key[n] for key in found[0])) for n in (0, 1))
     drawing, axes = figure(len(methods), len(windows), width=8.5, sharex=True, sharey=True)

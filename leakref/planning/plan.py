@@ -1,4 +1,9 @@
-"""What a campaign will measure: the asked-for sea, area and duration simulated, in metres and seconds."""
+"""What a campaign will measure: the asked-for sea, area and duration simulated, in metres and seconds.
+
+A campaign is turned into a configuration in the paper's scaled units (`Campaign.flight`), realised as often as asked,
+and the statistics of its errors are turned back (`Expected`). The waves are those of the paper's JONSWAP seas on deep
+water with a uniform current, seen without noise. Used by `leakref plan`; `runs` does the computing.
+"""
 
 from __future__ import annotations
 
@@ -50,6 +55,8 @@ class Flight(Configuration):
 
     `sides` of the area and `pixel` in peak wavelengths, `frame` between two images in peak periods; `length` is the
     longer side, which sets the lattice of the waves. Sides and duration are kept, samples are fitted into them.
+
+    The product of sides and duration decides the cost (`work`). It has the same waves as a paper case with this length.
     """
 
     sides: tuple[float, float] = (10.0, 10.0)
@@ -75,9 +82,16 @@ class Flight(Configuration):
 class Campaign:
     """What is asked for, in metres, seconds, Hz and degrees; directions are going-to, anticlockwise from +x.
 
-    `field_of_view` is the area's extent along x and y; `spread` the full width of eq:angularspread, `peakedness`
-    gamma; without `pixel` and `frame_rate` they are the paper's, 1/28 of a wavelength and 14 images a period at the
-    peak. Raises LeakrefError for what cannot be, or leaves nothing to extract from.
+    `field_of_view` is the area's extent along x and y; `spread` the full width of eq:angularspread, `peakedness` gamma;
+    without `pixel` and `frame_rate` they are the paper's, 1/28 of a wavelength and 14 images a period at the peak.
+    Raises LeakrefError for what cannot be, or leaves nothing to extract from.
+
+    - `duration`: of the video, s; `peak_wavelength`: m; `speed`: of the current, m/s, below the waves' own.
+    - `pixel`: m; `frame_rate`: images a second.
+
+    Refused are numbers that are not finite or not positive, a spread above 360 degrees, a current as fast as the waves,
+    an area or a video of fewer than `FEWEST` wavelengths or periods, one of more than `MOST` bins, and a pixel or a
+    frame rate that does not resolve the waves at the peak.
     """
 
     field_of_view: tuple[float, float]
@@ -155,12 +169,12 @@ class Campaign:
 
     @property
     def scales(self) -> Scales:
-        """From the paper's scaled units to metres and seconds."""
+        """From the paper's scaled units to metres and seconds. Deep water, gravity 9.81 m/s2."""
         return Scales(2 * np.pi / self.peak_wavelength, GRAVITY)
 
     @cached_property
     def flight(self) -> Flight:
-        """The same in scaled units."""
+        """The same in scaled units. Lengths in peak wavelengths, times in peak periods, speeds in `c0`."""
         sides = tuple(side / self.peak_wavelength for side in self.field_of_view)
         period = 2 * np.pi * self.scales.time
         pixel = SPACING if self.pixel is None else self.pixel / self.peak_wavelength
@@ -180,12 +194,17 @@ class Campaign:
         )
 
     def enlarged(self, area: float = 1.0, duration: float = 1.0) -> Campaign:
-        """With so many times the area, in the same proportions, and so many times the duration."""
+        """With so many times the area, in the same proportions, and so many times the duration. Pixel and frame rate
+        stay what they are.
+        """
         x, y = (side * float(np.sqrt(area)) for side in self.field_of_view)
         return replace(self, field_of_view=(x, y), duration=self.duration * duration)
 
     def aliased_below(self) -> float | None:
-        """The wavelength (m) below which the frame rate is too low for the waves, or None if there is no such one."""
+        """The wavelength (m) below which the frame rate is too low for the waves, or None if there is no such one.
+        Waves along the current are the fastest: omega0(k) + k U at the Nyquist frequency. Looked at are the shells'
+        wavenumbers.
+        """
         k = np.linspace(1, self.flight.wavenumbers.max(), 400)
         fastest = DEEP.frequency(k) + k * self.speed / self.scales.velocity
         beyond = k[fastest >= self.flight.grid.nyquist[2]]
@@ -193,7 +212,10 @@ class Campaign:
 
 
 def swept(campaign: Campaign, name: str, values: Sequence[float]) -> list[Campaign]:
-    """`campaign` with each of `values` for the parameter `name`; a field of view keeps its proportions."""
+    """`campaign` with each of `values` for the parameter `name`; a field of view keeps its proportions.
+
+    `name` is that of a field of `Campaign`, `values` in its unit. Raises LeakrefError as `Campaign` does.
+    """
     if name == "field_of_view":
         x, y = campaign.field_of_view
         return [replace(campaign, field_of_view=(value, value * y / x)) for value in values]
@@ -201,7 +223,9 @@ def swept(campaign: Campaign, name: str, values: Sequence[float]) -> list[Campai
 
 
 def work(flight: Flight) -> float:
-    """Bins of the spectrum that one realisation needs: what its time and memory are proportional to."""
+    """Bins of the spectrum that one realisation needs: what its time and memory are proportional to. The spectrum is
+    needed up to 3.9 `k0`, at half of the frequencies: pi 3.9^2 times the area, times half the frames.
+    """
     x, y = flight.sides
     return float(np.pi * 3.9**2 * x * y * flight.duration / flight.frame / 2)
 
@@ -217,6 +241,8 @@ class Expected:
 
     An error is the vector c - U, measured less true, of one realisation; where there is no current its length is the
     paper's spurious velocity |c|.
+
+    - `measured`: the Ensemble in scaled units; `scales`: to metres and seconds.
     """
 
     measured: Ensemble
@@ -270,19 +296,23 @@ class Expected:
 
     @property
     def trusted(self) -> npt.NDArray[np.bool_]:
-        """Where bias and twice the random part are within the smaller resolution, (n,): so is a single flight."""
+        """Where bias and twice the random part are within the smaller resolution, (n,): so is a single flight. A
+        wavelength at which one realisation has no number is not trusted.
+        """
         all_there = self.measured.count == len(self.measured.velocities)
         single = self.bias + 2 * np.nan_to_num(self.random)
         return np.asarray(all_there & (single <= np.minimum(*self.resolutions)))
 
     def level(self) -> tuple[float, float]:
-        """The bias over the wavelengths up to the peak's, which matter most, and its standard error; m/s."""
+        """The bias over the wavelengths up to the peak's, which matter most, and its standard error; m/s. Each
+        realisation is averaged over these wavelengths first, so that the error counts realisations. NaN of one.
+        """
         short = self.measured.wavenumbers >= 1 - 1e-9
         each = np.nanmean(self.errors.magnitudes[:, short], axis=1) * self.scales.velocity
         return float(each.mean()), float(each.std(ddof=1) / np.sqrt(each.size)) if each.size > 1 else float("nan")
 
     def record(self) -> dict[str, Any]:
-        """For the JSON of `leakref plan`."""
+        """For the JSON of `leakref plan`. `speed` and what follows are of |c| itself, not of the error."""
         speed = self.scales.velocity
         return {
             "window": self.window,
@@ -304,7 +334,10 @@ class Expected:
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """What to expect of a campaign by (window, method); tapered, by NSP, also with twice the area or the duration."""
+    """What to expect of a campaign by (window, method); tapered, by NSP, also with twice the area or the duration.
+
+    `ways` has both windows and both methods; `larger` and `longer` are Hann and NSP only, of half as many realisations.
+    """
 
     campaign: Campaign
     ways: Mapping[tuple[str, str], Expected]
@@ -348,7 +381,8 @@ def plan(
 ) -> Plan:
     """Simulate `campaign`, and half as often what twice the area or twice the duration would give. Raises LeakrefError.
 
-    `after_each` is called after every realisation: twice `realizations` times, if that is even.
+    `after_each` is called after every realisation: twice `realizations` times, if that is even. `realizations` None
+    takes `default_realizations`.
     """
     count = realizations or default_realizations(campaign.flight)
     ways = expected([campaign], count, executor=executor, after_each=after_each)[0]

@@ -1,4 +1,8 @@
-"""Quantities with their units, as people write them: "128m", "30s", "45deg", "0.3m/s"."""
+"""Quantities with their units, as people write them: "128m", "30s", "45deg", "0.3m/s".
+
+A number without a unit is refused, since metres and peak wavelengths are easily taken for each other; any unit of the
+right kind is taken (`0.2km`, `2/s`, `30deg`). Used by `planning.command`.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +28,10 @@ def _registry() -> Any:
 
 
 def quantity(call: str, option: str, text: str, unit: str) -> float:
-    """`text` in `unit`, whatever unit of that kind it is written in. Raises LeakrefError, and if there is no unit."""
+    """`text` in `unit`, whatever unit of that kind it is written in. Raises LeakrefError, and if there is no unit.
+    `call` and `option` are for the message. Refused are also units of another kind, plain numbers for an angle, and
+    what is not finite.
+    """
     from pint.errors import PintError
 
     example = f"write it as in {option} {EXAMPLES[unit]}"
@@ -49,7 +56,7 @@ def _is_angle(units: Any) -> bool:
 
 
 def number(call: str, option: str, text: str) -> float:
-    """`text` as a plain number. Raises LeakrefError."""
+    """`text` as a plain number. Raises LeakrefError. Refused is also what is not finite."""
     try:
         return _finite(call, option, text, float(text))
     except ValueError as error:

@@ -45,6 +45,7 @@ __all__ = [
 ALPHA = 0.01
 """Of all comparisons of a run together: how often some interval may miss the true change."""
 POWER = 0.9
+"""The probability with which a change of the size `smallest` would be called worse."""
 MARGIN = 0.01
 """Of the smaller velocity resolution (eq:dcdwk), in the mean over a band: a change within it is none."""
 LOST = 0.05
@@ -54,6 +55,7 @@ BANDS = ((0.4, 0.8), (0.8, 1.2), (1.2, 2.0), (2.0, 3.5))
 ANSWERS = "answers"
 """The band of the row about velocities that were declined."""
 VERDICTS = ("better", "worse", "equal", "undecided")
+"""In the order in which they are counted."""
 
 
 @dataclass(frozen=True)
@@ -63,6 +65,10 @@ class Change:
     `band` is "k = 1.2", "0.8 to 1.2" or `ANSWERS`, with the `wavenumbers` in it. All in c0, except for `ANSWERS`, a
     share. `margin` and `smallest` (module text) are in the same unit, `resolution` is the mean over the band. What
     cannot be known is NaN, an interval then reaches from -inf to inf.
+
+    - `change`: `after` less `before`, so that more is worse; `interval`: of the change.
+    - `verdict`: one of `VERDICTS`; `count`: realisations with an answer on both sides. `case`, `window` and `method`
+      are those of the series.
     """
 
     case: str
@@ -87,14 +93,20 @@ class Change:
         return self.band.startswith("k")
 
     def record(self) -> dict[str, Any]:
-        """As in the JSON of `leakref track compare` (guide protocol, section 14)."""
+        """As in the JSON of `leakref track compare` (guide protocol, section 14).
+
+        NaN and infinite bounds become null when it is printed.
+        """
         return {**vars(self), "interval": list(self.interval), "unit": "share" if self.band == ANSWERS else "c0"}
 
 
 @dataclass(frozen=True)
 class Comparison:
     """All changes of a run, and what was not compared and why: `unlike` because its case is not the same any more,
-    `alone` because only one of the two has it."""
+    `alone` because only one of the two has it.
+
+    - `changes`: one for each wavenumber, band and share of every series that both have.
+    """
 
     changes: tuple[Change, ...]
     unlike: tuple[str, ...] = ()
@@ -102,7 +114,9 @@ class Comparison:
 
     @property
     def worse(self) -> list[Change]:
-        """What is worse beyond the margin."""
+        """What is worse beyond the margin. Empty is no proof that nothing is: look at `undecided` ones and at
+        `smallest`.
+        """
         return [change for change in self.changes if change.verdict == "worse"]
 
     @property
@@ -128,7 +142,10 @@ class _Pair:
     paired: bool
 
     def moments(self) -> tuple[float, float, float, float, float, int]:
-        """Both means, the change, its standard error, degrees of freedom, and how many realisations."""
+        """Both means, the change, its standard error, degrees of freedom, and how many realisations. Paired, the
+        variance is that of the differences; unpaired, the degrees of freedom are Welch's. What rounding to `UNIT` adds
+        to a variance is included, so that equal errors have no interval of width zero.
+        """
         a, b = self.before, self.after
         if self.paired:
             both = np.isfinite(a) & np.isfinite(b)
@@ -172,7 +189,10 @@ class _Pair:
 
 
 def verdict(low: float, high: float, margin: float) -> str:
-    """What an interval says: one of `VERDICTS`."""
+    """What an interval says: one of `VERDICTS`.
+
+    All three numbers are in one unit; `margin` is positive. An interval that touches the margin is still equal.
+    """
     if low > margin:
         return "worse"
     if high < -margin:
@@ -181,7 +201,12 @@ def verdict(low: float, high: float, margin: float) -> str:
 
 
 def compare(before: Sequence[Series], after: Sequence[Series], *, margin: float = MARGIN) -> Comparison:
-    """Compare the series that both have, case by case of the same digest. Raises LeakrefError for a bad margin."""
+    """Compare the series that both have, case by case of the same digest. Raises LeakrefError for a bad margin.
+
+    `margin` is a part of the smaller resolution. Realisations that both have are compared in pairs, and if there are
+    none the two are taken as independent samples (Welch). The interval of each change is as wide as the number of
+    comparisons demands, so that adding cases makes all of them wider.
+    """
     positive("compare", margin=margin)
     old, new = ({one.key: one for one in side} for side in (before, after))
     unlike = [key for key in old if key in new and old[key].digest != new[key].digest]
@@ -204,7 +229,9 @@ def compare(before: Sequence[Series], after: Sequence[Series], *, margin: float 
 
 
 def _pairs(a: Series, b: Series, margin: float) -> Iterator[_Pair]:
-    """Wavenumbers, bands and the share declined."""
+    """Wavenumbers, bands and the share declined. A pair for each wavenumber, each band that has any, and the share
+    declined. In a band a shell counts only where both sides have a number, if they are paired.
+    """
     first, last = max(a.first, b.first), min(a.first + len(a.errors), b.first + len(b.errors))
     paired = last > first
     x, y = (s.errors[first - s.first : last - s.first] if paired else s.errors for s in (a, b))
@@ -224,7 +251,10 @@ def _pairs(a: Series, b: Series, margin: float) -> Iterator[_Pair]:
 
 
 def in_band(wavenumbers: FloatArray, low: float, high: float) -> npt.NDArray[np.bool_]:
-    """Which wavenumbers (n,) are in one of `BANDS`, (n,)."""
+    """Which wavenumbers (n,) are in one of `BANDS`, (n,).
+
+    Edges are met to 1e-9, and the upper end belongs to the next band, but for the last.
+    """
     end = high + (1e-9 if high == BANDS[-1][1] else -1e-9)
     return (wavenumbers > low - 1e-9) & (wavenumbers < end)
 

@@ -1,4 +1,8 @@
-"""What `leakref track ...` does and prints."""
+"""What `leakref track ...` does and prints.
+
+Each function is one action of the command, with its exit status: 0 holds, 1 worse, 3 nothing to judge. Words and
+colours are here; what is compared with what is in `changes`.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +37,15 @@ _COLOUR = {"worse": "red", "better": "green", "undecided": "yellow", "slower": "
 
 @dataclass(frozen=True)
 class Request:
-    """What is to be recorded, as asked for on the command line."""
+    """What is to be recorded, as asked for on the command line.
+
+    - `target` or `command`: one of the two, as typed; `path`: of the history.
+    - `label`: of the version, else its version or name; `cases`: ids of scenes, else those recorded by default.
+    - `realizations`, `first`: how many, and the number of the first.
+    - `source`: further files and folders that the target is made of.
+    - `timings`, `yardstick`: JSON of pytest-benchmark, and the benchmark that the others are held against.
+    - `timeout`, `start`: seconds, None for the defaults; `memory`: GiB; `workers`: processes, for the reference only.
+    """
 
     target: str | None
     command: str | None
@@ -52,7 +64,11 @@ class Request:
 
 
 def run_record(request: Request, *, json: bool) -> int:
-    """Measure, append, print: 0, or 3 if the target answers nothing (then nothing is recorded)."""
+    """Measure, append, print: 0, or 3 if the target answers nothing (then nothing is recorded).
+
+    LeakrefError is raised for a target and a command, or neither; a label that stands for entries; an unknown case; a
+    file of timings without its yardstick; a history that cannot be written.
+    """
     words = _words(request)
     timed = _timed(request)
     is_reference = request.target == "reference"
@@ -117,6 +133,7 @@ def _words(request: Request) -> list[str]:
 
 
 def _timed(request: Request) -> dict[str, Any] | None:
+    """The timings of a file of pytest-benchmark, None if none is given. Raises LeakrefError if it has no yardstick."""
     if request.timings is None:
         return None
     if request.yardstick is None:
@@ -137,6 +154,7 @@ Measured = tuple[Mapping[str, Any], list[Series], list[str]]
 
 
 def _reference(scenes: Sequence[Scene], numbers: range, workers: int) -> Measured:
+    """By the compiled twin, over processes."""
     from leakref.chain import reference
 
     # a pool takes seconds to start, and a hundred realisations of a case on one core take twenty
@@ -146,6 +164,9 @@ def _reference(scenes: Sequence[Scene], numbers: range, workers: int) -> Measure
 
 
 def _any(request: Request, words: Sequence[str], scenes: Sequence[Scene], numbers: range) -> Measured:
+    """Any other target, in a process of its own, shown the cubes one after the other. Raises HarnessBroken if it has no
+    `extract`, besides what `connect` raises.
+    """
     limits = Limits.given(request.timeout, request.start, request.memory)
     with connect(request.target, words, limits=limits) as subject:
         if not subject.offers("extract"):
@@ -165,6 +186,7 @@ def _summary(entry: history.Entry) -> dict[str, Any]:
 
 
 def _recorded(entry: history.Entry, series: Sequence[Series]) -> Table:
+    """Bias and random part at about four wavenumbers of each series, as a glance at what was recorded."""
     table = Table(title=f"{escape(entry.target)}, {escape(entry.label)}: mean error ± standard deviation, in c0")
     for name in ("case", "window", "method"):
         table.add_column(name)
@@ -186,7 +208,12 @@ def _recorded(entry: history.Entry, series: Sequence[Series]) -> Table:
 
 
 def run_compare(first: str, second: str, path: Path, *, margin: float, json: bool) -> int:
-    """The exit status of `Comparison`; 3 also if one of the entries is not whole."""
+    """The exit status of `Comparison`; 3 also if one of the entries is not whole.
+
+    `first` and `second` name entries as `History.entry` takes them. LeakrefError is raised for names that are none, and
+    for two of one entry. The JSON has both entries without their errors, `comparisons` (records of `Change`), what was
+    `unlike` or `alone`, `timings`, and `faults` of the file.
+    """
     kept = history.read(path)
     _say_faults(kept)
     try:
@@ -223,11 +250,13 @@ def run_compare(first: str, second: str, path: Path, *, margin: float, json: boo
 
 
 def _say_faults(kept: history.History) -> None:
+    """On standard error, whatever the action makes of them."""
     for fault in kept.faults:
         console().print(f"[red]{escape(str(kept.path))}: {escape(fault)}[/]", soft_wrap=True)
 
 
 def _print(a: history.Entry, b: history.Entry, found: Comparison, timed: Sequence[Mapping[str, Any]]) -> None:
+    """Comparisons of one wavenumber are left out where they are equal or undecided: there are too many of them."""
     show = Console()
     show.print(f"{escape(str(a))} and {escape(str(b))}: mean errors in c0", soft_wrap=True)
     for key in dict.fromkeys((c.case, c.window, c.method) for c in found.changes):
@@ -256,6 +285,7 @@ def _print(a: history.Entry, b: history.Entry, found: Comparison, timed: Sequenc
 
 
 def _row(c: Change) -> str:
+    """A change in a line: both means, the change with half its interval, and from where on a rise would be seen."""
     reach = (c.interval[1] - c.interval[0]) / 2
     return (
         f"  {c.band:10}  {c.before:.5f} -> {c.after:.5f}  {c.change:+.5f} ± {reach:.5f}  {c.verdict:9}  "
@@ -267,7 +297,9 @@ def _row(c: Change) -> str:
 
 
 def run_check(path: Path, *, json: bool) -> bool:
-    """Whether every line is whole, there once, and follows on one that is there."""
+    """Whether every line is whole, there once, and follows on one that is there. A history without entries is not
+    whole.
+    """
     kept = history.read(path)
     ok = bool(kept.entries) and not kept.faults
     if json:
@@ -286,7 +318,10 @@ def run_check(path: Path, *, json: bool) -> bool:
 
 
 def run_plot(path: Path, *, cases: Sequence[str], target: str | None, out: Path, json: bool) -> int:
-    """Pictures and a page of the entries of one target (default: that of the last): 0, or 3 if there is none."""
+    """Pictures and a page of the entries of one target (default: that of the last): 0, or 3 if there is none. `cases`
+    are those drawn, by default all that the entries have. Faults of the file are said, and the entries used that are
+    whole.
+    """
     from leakref.figures import save
     from leakref.track import page
 

@@ -77,6 +77,7 @@ def _interval(count: int, of: int) -> list[float]:
 
 
 def _series(ensembles: Sequence[Ensemble]) -> list[Series]:
+    """Errors of ensembles as series without a digest, to be compared with each other only."""
     return [
         Series(
             e.configuration.case,
@@ -110,7 +111,7 @@ def _by_lot(series: Sequence[Series], images: Sequence[Series], rng: np.random.G
 
 
 def _tally(comparisons: Sequence[Sequence[Comparison]]) -> _Tally:
-    """Of several comparisons of each configuration."""
+    """Of several comparisons of each configuration. `comparisons` has a list for each configuration."""
     alarms = [sum(bool(one.worse) for one in own) for own in comparisons]
     misses = [
         sum(any(c.interval[0] > 0 or c.interval[1] < 0 for c in one.changes) for one in own) for own in comparisons
@@ -124,6 +125,7 @@ def _mirrored(configuration: Configuration) -> Configuration:
 
 
 def _null(place: Path, executor: Executor | None, step: Progress) -> dict[str, Any]:
+    """The tallies of both kinds of null comparison, and of all together."""
     everything = [c for members in CASES.values() for c in members]
     turned = [c for c in everything if c.direction != 90.0 and not c.speed]
     rng = np.random.default_rng(20231101265)
@@ -193,6 +195,8 @@ def run(out: Path | None, *, place: Path, workers: int, json: bool) -> bool:
     """Measure, print and write; whether alarms are as rare as declared and every even rise is seen.
 
     Realisations are kept in `place`, shared with `leakref reproduce --out`.
+
+    With `out` the record is written there as JSON, a planted rise a line. `workers` are processes.
     """
     total = _REALIZATIONS * sum(len(members) + sum(c.direction != 90.0 for c in members) for members in CASES.values())
     with progress_bar("realisations", total) as step, runs.pool(workers) as executor:

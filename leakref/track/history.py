@@ -7,6 +7,15 @@ there is ever written again. Parquet is smaller, but a binary file that git can 
 Each line carries the SHA-256 of its own contents as `digest`, and as `after` the digest of the line before it when it
 was written. So an edited, repeated or missing line is seen, and two branches that were merged are no fault. This is
 against accidents and hand-made corrections: who computes digests anew can write what he likes.
+
+`append` is the only way in, and `read` takes a file in any state: what is damaged is named and not used. Measuring and
+comparing are elsewhere (`tracking`, `changes`).
+
+A line, cut short:
+
+    {"schema": "leakref/history/1", "label": "v2", "target": "mine:extract", ..., "measurements": [{"case": "broad",
+     "window": "hann", "method": "nsp", "wavenumbers": [...], "unit": 1e-06, "errors": [[...], ...]}], "timings": null,
+     "after": "<digest of the line before>", "digest": "<of this line>"}
 """
 
 from __future__ import annotations
@@ -26,12 +35,15 @@ from leakref.golden.digests import digest
 __all__ = ["SCHEMA", "Damaged", "Entry", "History", "append", "read"]
 
 SCHEMA = "leakref/history/1"
+"""Of a line. A line of another schema is a fault, and is not used."""
 _FORM = {"label": str, "target": str, "after": str | None, "measurements": list, "timings": dict | None}
 _PATIENCE = 60.0  # seconds to wait for another writer
 
 
 class Damaged(LeakrefError):
-    """The entry that was named is there, and is not what was written."""
+    """The entry that was named is there, and is not what was written. It names the line; the remedy is to take it back
+    from version control.
+    """
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +51,9 @@ class Entry:
     """One line of a history, counted from 1: its `record`, and the `fault` that forbids its use, empty if it is whole.
 
     The record of a line that is not JSON is empty.
+
+    `fault` is words that follow `line N`. Two entries of one digest are one: the second has a fault. Only one without a
+    fault is compared or drawn.
     """
 
     line: int
@@ -74,7 +89,10 @@ class History:
 
     @property
     def entries(self) -> list[Entry]:
-        """Those that are whole, each once."""
+        """Those that are whole, each once.
+
+        In the order of the file, which is that of recording unless branches were merged.
+        """
         return [line for line in self.lines if not line.fault]
 
     def entry(self, name: str) -> Entry:
@@ -118,7 +136,11 @@ _REPEATS = "repeats line"
 
 
 def read(path: Path) -> History:
-    """The history in `path`, whatever state it is in. Raises LeakrefError if it cannot be read."""
+    """The history in `path`, whatever state it is in. Raises LeakrefError if it cannot be read.
+
+    Locked for reading meanwhile where that can be. A file that is empty has no lines and no faults; one that does not
+    exist cannot be read.
+    """
     return History(path, *_parsed(_bytes(path)))
 
 
@@ -127,6 +149,9 @@ def append(path: Path, fields: Mapping[str, Any]) -> tuple[Entry, str]:
 
     The file is locked meanwhile and made if need be. What is left of a last line that was cut off goes: it is lost
     anyway, and would spoil the next. Raises LeakrefError.
+
+    `fields` are those of `tracking.fields`. LeakrefError is raised where the file cannot be written, or another writer
+    holds it for a minute.
     """
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -180,7 +205,9 @@ def _line(record: Mapping[str, Any]) -> bytes:
 
 
 def _parsed(data: bytes) -> tuple[tuple[Entry, ...], tuple[str, ...]]:
-    """The lines, and the faults of the file."""
+    """The lines, and the faults of the file. A last line without its end is whole if its digest is; else it was cut
+    off.
+    """
     *whole, rest = data.split(b"\n")
     lines = [_entry(n, line.removesuffix(b"\r")) for n, line in enumerate(whole + [rest] * bool(rest), 1)]
     if rest and lines[-1].fault:
@@ -193,6 +220,9 @@ def _parsed(data: bytes) -> tuple[tuple[Entry, ...], tuple[str, ...]]:
 
 
 def _entry(number: int, line: bytes) -> Entry:
+    """A line as an entry, with what is wrong with it: not JSON, edited, of another schema, or without a field. A line
+    must be byte for byte what `append` would write.
+    """
     try:
         record = json.loads(line)
         if not isinstance(record, dict) or "digest" not in record:
@@ -211,6 +241,7 @@ def _entry(number: int, line: bytes) -> Entry:
 
 
 def _faults(lines: list[Entry]) -> Iterator[str]:
+    """In words, with the number of the line. An entry that is named as the one before and is nowhere was taken out."""
     stated = {line.digest for line in lines if line.digest}
     for line in lines:
         if line.fault:

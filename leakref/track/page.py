@@ -1,4 +1,8 @@
-"""The history as pictures and as a page: bias against version with its steps, and against wavenumber."""
+"""The history as pictures and as a page: bias against version with its steps, and against wavenumber.
+
+It draws what the history holds and measures nothing. Every version is compared with the one before it, by `changes` and
+with its margins, and what is called a step is what is called better or worse there. Used by `leakref track plot`.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +32,10 @@ _MOST = 5
 
 @dataclass(frozen=True, eq=False)
 class Version:
-    """An entry with its series by case, window and method, and its `step` from the one before, None for the first."""
+    """An entry with its series by case, window and method, and its `step` from the one before, None for the first.
+
+    `series` are keyed by case, window and method; `step` is a Comparison with the version before.
+    """
 
     entry: Entry
     series: Mapping[tuple[str, str, str], Series]
@@ -46,7 +53,10 @@ class Version:
 
 
 def versions(entries: Sequence[Entry], cases: Sequence[str] = (), *, margin: float = MARGIN) -> list[Version]:
-    """Entries in order, each compared with the one before; of the `cases` named, or of all."""
+    """Entries in order, each compared with the one before; of the `cases` named, or of all.
+
+    `margin` is a part of the smaller resolution. Raises Trouble for an entry whose measurements are not whole.
+    """
     found: list[Version] = []
     for entry in entries:
         series = [Series.read(kept) for kept in entry.record["measurements"]]
@@ -65,7 +75,8 @@ def _grid(shown: Sequence[Version], case: str) -> tuple[list[str], list[str]]:
 def levels_figure(shown: Sequence[Version], case: str) -> Figure:
     """Mean error of each band over the mean resolution in it, against version, with its standard error.
 
-    Triangles mark steps, up for worse and down for better. A line ends where the case is not the same any more.
+    Triangles mark steps, up for worse and down for better. A line ends where the case is not the same any more. Colours
+    are the bands of `changes.BANDS`; there is an axis for each window and method.
     """
     windows, methods = _grid(shown, case)
     drawing, axes = figure(len(methods), len(windows), width=9.0, height=2.6, sharex=True)
@@ -98,6 +109,7 @@ def _legend(drawing: Figure, axes: Any) -> None:
 def _level(
     ax: Any, shown: Sequence[Version], key: tuple[str, str, str], band: tuple[float, float], colour: str
 ) -> None:
+    """One band of one series over the versions; a line for each digest of the case, since others cannot be compared."""
     low, high = band
     name = f"{low:g} to {high:g}"
     rows: list[tuple[int, float, float, str]] = []
@@ -130,7 +142,10 @@ def _level(
 
 
 def curves_figure(shown: Sequence[Version], case: str) -> Figure:
-    """Mean error against wavenumber of at most five versions; what is below the smaller resolution is grey."""
+    """Mean error against wavenumber of at most five versions; what is below the smaller resolution is grey.
+
+    They are the first, the last, and those between with the latest steps. Wavenumbers are in `k0`, errors in `c0`.
+    """
     stepped = [one for one in shown[1:-1] if one.steps()][-(_MOST - 2) :]
     chosen = [one for one in shown if one in (shown[0], *stepped, shown[-1])]
     windows, methods = _grid(chosen, case)
@@ -169,7 +184,10 @@ def curves_figure(shown: Sequence[Version], case: str) -> Figure:
 
 
 def page(history: History, shown: Sequence[Version], pictures: Sequence[Mapping[str, str]]) -> str:
-    """One self-contained page. `pictures`: title, words, and data, PNG in base64."""
+    """One self-contained page. `pictures`: title, words, and data, PNG in base64.
+
+    `shown` must not be empty; the grade on top is that of the last step. The text of the HTML file is returned.
+    """
     last = shown[-1]
     grade, kind = _GRADES[last.step.status if last.step else 3]
     return _PAGES.get_template("history.html").render(
@@ -190,6 +208,7 @@ def page(history: History, shown: Sequence[Version], pictures: Sequence[Mapping[
 
 
 def _sentence(last: Version) -> str:
+    """What the last step came to, for the top of the page."""
     if last.step is None:
         return f"{last.entry.label} is the first version: nothing to compare it with."
     worse, compared = len(last.step.worse), len(last.step.changes)
@@ -203,6 +222,7 @@ def _sentence(last: Version) -> str:
 
 
 def _row(one: Version) -> dict[str, Any]:
+    """A version in the table: label, date, step, system, source, and how many realisations."""
     record = one.entry.record
     counts = (
         [(verdict, sum(change.verdict == verdict for change in one.step.changes)) for verdict in VERDICTS]
@@ -225,7 +245,7 @@ def _row(one: Version) -> dict[str, Any]:
 
 
 def _timings(shown: Sequence[Version]) -> dict[str, Any] | None:
-    """Ratios of all versions that share the last yardstick."""
+    """Ratios of all versions that share the last yardstick. None if no version has any."""
     timed = [(one.entry.label, one.entry.record["timings"]) for one in shown if one.entry.record["timings"]]
     if not timed:
         return None

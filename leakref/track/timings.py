@@ -1,4 +1,9 @@
-"""Timings of pytest-benchmark over versions, as ratios to a reference workload of the same run."""
+"""Timings of pytest-benchmark over versions, as ratios to a reference workload of the same run.
+
+Seconds of two versions measured on different days or machines cannot be compared; ratios to the same workload in the
+same run can, roughly. They are kept in the entries of the history if `leakref track record --timings` is given a file,
+and a slower one is reported but fails nothing.
+"""
 
 from __future__ import annotations
 
@@ -22,6 +27,9 @@ def timings(benchmarks: Mapping[str, Any], yardstick: str) -> dict[str, Any]:
 
     Benchmarks are known by their full names; of the yardstick the part after `::` is enough. `error` is the standard
     error of the logarithm of a ratio, from quartiles and rounds; NaN with one round. Raises LeakrefError.
+
+    LeakrefError is raised for JSON of another kind, a yardstick that is none or several of the benchmarks, and medians
+    that are not positive. Returned are `yardstick`, its `seconds`, and under `ratios` by full name `ratio` and `error`.
     """
     try:
         stats = {str(one["fullname"]): one["stats"] for one in benchmarks["benchmarks"]}
@@ -54,7 +62,9 @@ def timings(benchmarks: Mapping[str, Any], yardstick: str) -> dict[str, Any]:
 
 
 def _error(stats: Mapping[str, Any]) -> float:
-    """Relative standard error of a median, as of a normal distribution with these quartiles."""
+    """Relative standard error of a median, as of a normal distribution with these quartiles. The standard error of a
+    median is 1.2533 times that of a mean; 1.349 deviations lie between the quartiles.
+    """
     rounds = int(stats["rounds"])
     return 1.2533 * float(stats["iqr"]) / 1.349 / float(stats["median"]) / np.sqrt(rounds) if rounds > 1 else np.nan
 
@@ -63,6 +73,10 @@ def compare_timings(before: Mapping[str, Any] | None, after: Mapping[str, Any] |
     """Change of each ratio, 0.1 for 10 % longer, with its interval; only with a common yardstick.
 
     Whether something is slower is said, and fails nothing.
+
+    `before` and `after` are what `timings` gives, None if there is none. Each row has `name`, the two ratios, `change`,
+    `interval` and `verdict`: slower, faster, equal or undecided. All intervals together hold with confidence 1 -
+    `ALPHA`.
     """
     if not before or not after or before["yardstick"] != after["yardstick"]:
         return []

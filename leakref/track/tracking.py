@@ -66,7 +66,10 @@ Progress = Callable[[], object]
 
 @dataclass(frozen=True)
 class Scene:
-    """A sea to be measured in: a case of the paper, or one of the coarser seas of certification, by its `id`."""
+    """A sea to be measured in: a case of the paper, or one of the coarser seas of certification, by its `id`.
+
+    `windows` are those under which it is measured, as far as the target offers them.
+    """
 
     id: str
     windows: tuple[str, ...]
@@ -75,7 +78,9 @@ class Scene:
 
     @cached_property
     def digest(self) -> str:
-        """SHA-256 of what is shown: grid, wavenumbers, truth, and the waves of realisations 0 and 1."""
+        """SHA-256 of what is shown: grid, wavenumbers, truth, and the waves of realisations 0 and 1. Waves count to
+        seven decimals, so that the last bits of a library do not make another case.
+        """
         first, second = self.cube(0), self.cube(1)
         waves = [
             [
@@ -249,7 +254,7 @@ def measure(
     """Any implementation, under the windows and methods it offers: its series, and what it gave no answer for and why.
 
     Windows are those of the scene that it offers, or all its own if there is none among them. A realisation without an
-    answer is a row of NaN; a series without any is left out.
+    answer is a row of NaN; a series without any is left out. Errors are in `c0`, whatever the units of the target.
     """
     offered = subject.declaration
     series, said = [], []

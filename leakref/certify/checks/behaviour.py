@@ -1,4 +1,8 @@
-"""Behaviour: input untouched, deterministic, refuses what is not finite."""
+"""Behaviour: input untouched, deterministic, refuses what is not finite.
+
+None of these is about velocities. A code that alters its caller's array, gives another answer to the same question,
+takes NaN for a wave or fails at sizes that are odd or prime makes whatever is measured with it doubtful.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,9 @@
-"""Conformance to the golden values, stage by stage, and to the reference on small seas."""
+"""Conformance to the golden values, stage by stage, and to the reference on small seas.
+
+The one family that another algorithm need not pass: it decides between conformant and sound, and rejects no code that
+is judged by other families too. Each question is an entry of the golden set, asked in the code's own axes and units;
+the answer is compared with what is kept, or with what the reference says now of a few small seas.
+"""
 
 from __future__ import annotations
 

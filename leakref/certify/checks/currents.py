@@ -1,4 +1,8 @@
-"""Strong and opposing currents, up to where omega0 + k.U is negative."""
+"""Strong and opposing currents, up to where omega0 + k.U is negative.
+
+Most codes are tried in weak currents. Near the phase speed of the waves a search that stays close to zero, bounds in
+metres per second or a band of frequencies show; where waves are swept backwards, so does a missing branch of G.
+"""
 
 from __future__ import annotations
 

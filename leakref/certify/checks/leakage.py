@@ -1,4 +1,8 @@
-"""Leakage at zero current: what is measured in still water."""
+"""Leakage at zero current: what is measured in still water.
+
+Untapered, leakage alone looks like a current; tapered, it must not. What a code measures in still water, beside a
+strong swell or under a flicker, is compared with what the paper found and with what the reference measures there.
+"""
 
 from __future__ import annotations
 

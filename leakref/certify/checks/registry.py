@@ -1,4 +1,9 @@
-"""The register of checks: what one is, and what it finds."""
+"""The register of checks: what one is, and what it finds.
+
+A check is a function of a subject and a case, registered by a decorator with its family, the label of what it rests on,
+its tolerance in words and its cases. Called, it returns a finding: whatever the function returned or raised as a
+verdict, with the error over the tolerance, so that all checks can be compared.
+"""
 
 from __future__ import annotations
 

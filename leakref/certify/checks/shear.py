@@ -1,4 +1,8 @@
-"""Sheared currents: each wavenumber sees the depth-weighted current of eq:SJ."""
+"""Sheared currents: each wavenumber sees the depth-weighted current of eq:SJ.
+
+With a current that changes with depth the answers at different wavenumbers differ, and by how much is known. A code
+that smooths over wavenumbers, reads a shell at another one, or gives one answer for all is told apart here.
+"""
 
 from __future__ import annotations
 

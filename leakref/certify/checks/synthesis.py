@@ -1,4 +1,8 @@
-"""Energy and statistics of a synthesised surface."""
+"""Energy and statistics of a synthesised surface.
+
+For codes that make surfaces, to test themselves or others: single waves sample by sample, sums, linearity, and the
+energy that the amplitudes say. A generator that is wrong here makes every test that it feeds wrong.
+"""
 
 from __future__ import annotations
 

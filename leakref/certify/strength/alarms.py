@@ -1,4 +1,9 @@
-"""How often the statistical checks reject a code that is no worse than they allow."""
+"""How often the statistical checks reject a code that is no worse than they allow.
+
+Only the checks of bias are statistical; all others compare with a tolerance that is derived. Their rate of false alarms
+is not taken from the formula of the test but counted: velocities of the reference in a hundred realisations of each sea
+are computed once, and the test is applied to many draws from them. Used by `study` in its full form.
+"""
 
 from __future__ import annotations
 
@@ -23,13 +28,20 @@ _STORED = 100  # realisations of each sea of the statistical checks
 
 
 def seas() -> dict[str, Mapping[str, Any]]:
-    """The seas of the statistical check by name, without the number of realisations."""
+    """The seas of the statistical check by name, without the number of realisations.
+
+    Keys are the names of the cases of `leakage.bias` without their counts, values the arguments that make the sea.
+    """
     select()  # loads the checks
     return {case.id.rpartition("-")[0]: case.given for case in CHECKS["leakage.bias"].cases}
 
 
 def errors_of(name: str) -> dict[str, Any]:
-    """Of stored realisations of a sea: mean |c - U| over the unflagged shells by method, and the smaller resolution."""
+    """Of stored realisations of a sea: mean |c - U| over the unflagged shells by method, and the smaller resolution.
+
+    Lists of numbers in `c0`, one for each realisation, under `nsp` and `ls`, all with Hann; a realisation in which
+    every shell has a note is left out. `resolution` is the mean over the wavenumbers of the smaller one (eq:dcdwk).
+    """
     given = seas()[name]
     current = UniformCurrent(inputs.polar(given["speed"], given["direction"] + 70))
     errors: dict[str, list[float]] = {"nsp": [], "ls": []}
@@ -49,6 +61,10 @@ def false_alarms(errors: Mapping[str, Mapping[str, Any]], resamplings: int = RES
 
     Under the null hypothesis the code's errors are those of the reference in other realisations than the reference is
     given, plus the whole margin: no code that is allowed is rejected more often. A second count leaves the margin out.
+
+    `errors` are those of `errors_of` by sea. Each resampling draws `count` pairs of different realisations and applies
+    the one-sided test of the check to their differences; a run is an alarm if any of its tests rejects. Returned are
+    the number of resamplings and tests, the nominal rate, and for both counts alarms, rate and interval.
     """
     from leakref.certify.checks.leakage import MARGIN
 
@@ -75,6 +91,8 @@ def false_alarms(errors: Mapping[str, Mapping[str, Any]], resamplings: int = RES
 
 
 def _rate(alarms: int, resamplings: int) -> dict[str, Any]:
-    """With its Clopper-Pearson interval at 95 %."""
+    """With its Clopper-Pearson interval at 95 %. That interval is exact for a binomial, and wide enough where there are
+    few alarms or none.
+    """
     interval = binomtest(alarms, resamplings).proportion_ci(method="exact")
     return {"alarms": alarms, "rate": alarms / resamplings, "interval": [float(interval.low), float(interval.high)]}

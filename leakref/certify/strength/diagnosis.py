@@ -95,7 +95,11 @@ class _Clue:
 
 
 def departure(findings: Iterable[Finding]) -> str:
-    """The first stage of the chain whose golden values are not reproduced; empty if there is none, or only one."""
+    """The first stage of the chain whose golden values are not reproduced; empty if there is none, or only one.
+
+    `findings` are those of a certificate, of which only conformance is looked at: its checks go through the stages in
+    the order window, synthesize, spectrum, extract.
+    """
     compared = [f for f in findings if f.family == "conformance" and f.verdict is not Verdict.UNSUPPORTED]
     stage = {f.id: _stage(f) for f in compared}
     if len(set(stage.values())) < 2:

@@ -1,4 +1,9 @@
-"""Other water for the checks: the same questions of new seas, on new grids, turned or mirrored."""
+"""Other water for the checks: the same questions of new seas, on new grids, turned or mirrored.
+
+A correct code must pass the checks not only on the seas for which their tolerances were seen to hold. This replaces the
+makers of seas and pairs in `checks.inputs` for a while, so that every check is asked its own question of other water;
+no check knows. Used by `study` for the variants.
+"""
 
 from __future__ import annotations
 
@@ -32,6 +37,8 @@ _TURNS = [
 
 
 def _turned(current: Current | None, turn: FloatArray) -> Any:
+    """A current, turned or mirrored with the sea; None is still water."""
+
     def by(velocity: Sequence[float]) -> tuple[float, float]:
         u, v = (turn @ np.asarray(velocity)).tolist()
         return u, v
@@ -50,6 +57,9 @@ def fresh(seed: int) -> Iterator[None]:
 
     Sizes change by up to three samples and lengths by up to 8 %; every pair of waves is turned with the seas, and its
     current moved by up to 0.03 c0 along each axis. The same seed is the same water.
+
+    Not for several threads: the makers are replaced for all of them. They are put back however the block is left. Pairs
+    keep their grid, on whose bins they lie.
     """
     rng = np.random.default_rng(seed)
     turn, moved = _TURNS[rng.integers(8)], rng.uniform(-0.03, 0.03, 2)

@@ -43,7 +43,11 @@ _SEEN = ("signs", "recovery", "metamorphic", "leakage", "currents", "shear", "sc
 
 @dataclass(frozen=True)
 class Job:
-    """A part of the study for one worker: `kind` is fault, variant or null; `seed` None is the checks' own input."""
+    """A part of the study for one worker: `kind` is fault, variant or null; `seed` None is the checks' own input.
+
+    - `id`: of the fault, the variant, or the sea of the null hypothesis.
+    - `full`: for a fault, whether all quick checks are asked and not only those meant for it.
+    """
 
     kind: str
     id: str
@@ -62,7 +66,11 @@ class Job:
 
 
 def jobs(*, full: bool = False) -> list[Job]:
-    """What there is to do, in the order in which it is reported."""
+    """What there is to do, in the order in which it is reported.
+
+    Faults first, then variants on the checks' own inputs; in the full study also variants on `SEEDS` fresh seeds in
+    turn, and the seas of the statistical checks.
+    """
     shared = [Job("variant", list(VARIANTS)[seed % len(VARIANTS)], seed) for seed in range(SEEDS if full else 0)]
     nulls = [Job("null", name) for name in seas()] if full else []
     return [
@@ -80,7 +88,10 @@ def source_digest() -> str:
 
 
 def compute(job: Job) -> dict[str, Any]:
-    """The record of one job, the same in any process."""
+    """The record of one job, the same in any process.
+
+    It runs with one thread of BLAS. Of a fault `fault_record`, of a variant `variant_record`, of a sea its `errors`.
+    """
     with runs.one_thread():
         if job.kind == "fault":
             return fault_record(FAULTS[job.id], full=job.full)
@@ -96,6 +107,9 @@ def fault_record(
 
     Its killing input is asked first, then the family meant for it until something there kills it; with `full` every
     check of the quick profile is asked. `over` holds the effect over tolerance by finding.
+
+    `make` gives the faulty code by the fault's id. `killed_by` is the id of the first finding of the family meant for
+    it with an effect above the tolerance, None if it survives; `effect_over_tolerance` is that on its killing input.
     """
     everything = select(profile="full")
     killing = [pair for pair in everything if _name(pair) == fault.killing_input]
@@ -121,7 +135,9 @@ def _name(pair: tuple[Check, Case]) -> str:
 
 
 def _over(finding: Finding) -> float:
-    """Effect over tolerance; what broke or gave no number is beyond all measure, what was not judged is none."""
+    """Effect over tolerance; what broke or gave no number is beyond all measure, what was not judged is none. `NEVER`
+    is a finite number beyond any tolerance, so that it can be written to JSON.
+    """
     if finding.verdict in (Verdict.MISSING, Verdict.UNSUPPORTED):
         return 0.0
     if finding.over is None or not np.isfinite(finding.over):
@@ -130,6 +146,7 @@ def _over(finding: Finding) -> float:
 
 
 def _killers(over: Mapping[str, float], family: str) -> list[str]:
+    """Findings of a family with an effect above the tolerance, in the order in which they were asked."""
     return [name for name, value in over.items() if value > 1 and name.partition(".")[0] == family]
 
 
@@ -145,7 +162,11 @@ def _kills(record: Mapping[str, Any]) -> dict[str, float]:
 
 def classes(records: Iterable[Mapping[str, Any]]) -> list[list[str]]:
     """Faults that no check tells apart: the same effect on every finding, to a thousandth of it or a hundredth of a
-    tolerance."""
+    tolerance.
+
+    `records` are those of `fault_record`, asked the same findings. Returned are lists of ids, for each class of two or
+    more.
+    """
     groups: list[tuple[Mapping[str, float], list[str]]] = []
     for record in records:
         over = record["over"]
@@ -181,7 +202,10 @@ def _families(records: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
 def variant_record(
     identifier: str, seed: int | None = None, *, make: Callable[[str], Any] = variants.implementation
 ) -> dict[str, Any]:
-    """The checks of the quick profile that a variant should pass and does not, on their own inputs or on fresh ones."""
+    """The checks of the quick profile that a variant should pass and does not, on their own inputs or on fresh ones.
+    Those of conformance only count for variants that deserve that grade. On fresh inputs only families that look at
+    seas are asked. `seed` None is the checks' own inputs.
+    """
     exact = VARIANTS[identifier].grade == "conformant" if identifier in VARIANTS else False
     if seed is None:
         pairs = [pair for pair in select(profile="quick") if exact or pair[0].family != "conformance"]
@@ -264,7 +288,12 @@ def _summary(
 
 
 def problems(record: Mapping[str, Any]) -> list[str]:
-    """Where the suite falls short, in words; empty if it holds."""
+    """Where the suite falls short, in words; empty if it holds.
+
+    That is: a fault that its family lets live, an effect below `DISTINCT` on the killing input, a fault meant for
+    conformance that makes other families reject, a variant that was rejected, a family that no fault is meant for, and
+    more false alarms than nominal beyond the confidence interval.
+    """
     said = []
     for r in record["faults"]:
         effect = r["effect_over_tolerance"]
@@ -292,7 +321,11 @@ def problems(record: Mapping[str, Any]) -> list[str]:
 def run(
     *, full: bool = False, out: Path = Path("leakref-results/strength"), workers: int = 2, json: bool = False
 ) -> int:
-    """The command: study, print, write `strength.json` into `out`; 0 if the suite holds, 1 if it falls short."""
+    """The command: study, print, write `strength.json` into `out`; 0 if the suite holds, 1 if it falls short.
+
+    `workers` is the number of processes; results of jobs are kept in `out/work`, from where an interrupted study goes
+    on.
+    """
     work = folder(out) / "work"
     with runs.pool(workers) as executor, progress_bar("strength", len(jobs(full=full))) as step:
         found = study(full=full, work=work, executor=executor, after_each=step)

@@ -33,7 +33,11 @@ Bins = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatAr
 
 @dataclass(frozen=True)
 class Variant:
-    """`words` say what is different, `grade` is what it deserves, `make` makes one."""
+    """`words` say what is different, `grade` is what it deserves, `make` makes one.
+
+    `grade` is `conformant` or `sound`; `make` takes no arguments and gives an object as `Implementation` has it. `id`
+    is what follows `variant:` in a TARGET.
+    """
 
     id: str
     grade: str
@@ -61,9 +65,11 @@ class _Permuted(Reference):
         return {**super().describe(), "axes": self.axes}
 
     def _own(self, cube: Any) -> FloatArray:
+        """From its axes to x, y, t."""
         return np.transpose(cube, [self.axes.index(axis) for axis in "xyt"])
 
     def _theirs(self, cube: Any) -> Any:
+        """From x, y, t to its axes."""
         return np.transpose(cube, ["xyt".index(axis) for axis in self.axes])
 
     def extract(self, surface: FloatArray, *rest: Any, **settings: Any) -> FloatArray:
@@ -251,6 +257,9 @@ class _Own:
         return x, y, np.hypot(x, y), w, f, v
 
     def _overlap(self, shell: Bins, gravity: float, a: float, unit: float) -> FloatArray:
+        """N of eq:normSp, G having both branches (D2), over the whole space or one half; the factor by which it is
+        normalised is another than the reference's, which moves no maximum.
+        """
         x, y, k, omega, f, weight = shell
         root = np.sqrt(self.real(gravity) * k)[:, None]
 
@@ -263,6 +272,7 @@ class _Own:
         return self.optimiser(score, unit)
 
     def _least_squares(self, shell: Bins, gravity: float, a: float, unit: float) -> FloatArray:
+        """The minimum of eq:LS1 over the bins above 0.2 of the largest power of the shell (D7), by NumPy's `lstsq`."""
         x, y, k, omega, f, _ = shell
         n, m = np.nonzero((f**2 >= 0.2 * f.max() ** 2) & (omega >= 0))
         if self.half:  # of a half of negative frequencies the mirror image
@@ -274,6 +284,7 @@ class _Own:
 
 
 def _shell(space: Bins, wavenumber: float, dk: float) -> Bins:
+    """The bins within two of a wavenumber, those on the edge included (D3)."""
     x, y, k, omega, f, weight = space
     inside = np.abs(k - wavenumber) <= 2 * dk * (1 + 1e-6)
     return x[inside], y[inside], k[inside], omega, f[inside], weight
@@ -298,6 +309,7 @@ class _ByLoops(_Own):
 
 @njit()
 def _looped(x, y, k, omega, f, weight, c, gravity, a):  # type: ignore[no-untyped-def]
+    """The same overlap as `_Own._overlap`, in two loops."""
     overlap = total = 0.0
     for n in range(k.size):
         shift, root = x[n] * c[0] + y[n] * c[1], np.sqrt(gravity * k[n])
@@ -342,6 +354,7 @@ class _Band(_Own):
 
 
 def _changed(*changes: tuple[str, str, str]) -> Callable[[], Any]:
+    """The altered reference, made when it is asked for, since compiling takes long."""
     return lambda: altered(tuple(Change(*change) for change in changes)).chain.Reference()
 
 

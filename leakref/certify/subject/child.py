@@ -1,4 +1,10 @@
-"""A program that is given lines and gives lines: in a session of its own, watched, and ended with all its offspring."""
+"""A program that is given lines and gives lines: in a session of its own, watched, and ended with all its offspring.
+
+Three threads stand between us and the program: one writes, one reads its standard output, one its standard error; so
+that it can neither fill a pipe that nobody empties nor stop us by not reading. It speaks no protocol but that a message
+is an object in JSON with `op` or `id`; everything else it prints is kept as its last words. What messages mean is for
+`protocol`.
+"""
 
 from __future__ import annotations
 
@@ -39,7 +45,11 @@ _MARK = "LEAKREF_EXCHANGE"  # in the environment: handed down to whatever it sta
 
 
 class Breach(Unanswered):
-    """It broke the protocol or a limit, or is gone: it has to be started again."""
+    """It broke the protocol or a limit, or is gone: it has to be started again.
+
+    It is raised for silence beyond the limit, too much memory, an exit, and whatever is said out of turn. `protocol`
+    ends the program on it and counts it; the check that asked sees the Unanswered.
+    """
 
 
 Message = dict[str, Any] | Breach
@@ -52,6 +62,9 @@ class Child:
 
     On Linux a guardian starts it, which ends with it and as it does: what becomes an orphan stays below the guardian,
     and it ends them all if this process is gone, however it went. Raises LeakrefError if it cannot be started at all.
+
+    `folder` is where it runs. The environment is ours, with `mark` in it, by which offspring are found that have left
+    the session.
     """
 
     def __init__(self, command: Sequence[str], folder: Path | None, mark: str, belongings: str = "") -> None:
@@ -132,7 +145,10 @@ class Child:
     # ------------------------------------------------------------ talking
 
     def send(self, message: Mapping[str, Any]) -> None:
-        """A line to its standard input, by a thread: a program that does not read must not hold us up."""
+        """A line to its standard input, by a thread: a program that does not read must not hold us up.
+
+        It returns at once. That the program has gone shows when its answer is waited for.
+        """
         writer = threading.Thread(target=self._write, args=(dump(message).encode() + b"\n",), daemon=True)
         writer.start()
         self._threads = [*(thread for thread in self._threads if thread.is_alive()), writer]
@@ -169,7 +185,8 @@ class Child:
     def words(self) -> str:
         """The last of what it wrote to standard error, or else of what it printed beside the protocol; maybe empty.
 
-        Before it what kept a line from being read as one of the protocol: that cannot be seen in the line itself.
+        Before it what kept a line from being read as one of the protocol: that cannot be seen in the line itself. At
+        most three lines, joined by bars and cleaned by `printable`.
         """
         lines = self._errors.decode("utf-8", "replace").strip().splitlines()[-3:] or list(self._noise)[-3:]
         return printable(" | ".join([*[self._unreadable] * bool(self._unreadable), *lines]))

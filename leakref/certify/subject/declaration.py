@@ -1,4 +1,9 @@
-"""What an implementation says of itself: units, axes, directions, what it can do and what it cannot be told."""
+"""What an implementation says of itself: units, axes, directions, what it can do and what it cannot be told.
+
+It is read once, at the start, from what the program says or from `describe()` of a Python object, and printed on the
+certificate. Everything that a check asks is put into these terms by `frames.Subject`. What is declared wrongly is
+refused here with the name of the field, before any check is run.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +16,7 @@ from leakref.certify.verdict import Unanswered, Verdict, printable
 __all__ = ["STAGES", "Declaration"]
 
 STAGES = ("window", "synthesize", "spectrum", "extract")
+"""In the order of the chain."""
 _LONGEST = 120  # characters of a word
 _DEFAULT = {"name": "unnamed", "version": "", "units": "scaled", "axes": "xyt", "y": "up", "direction": "to"}
 
@@ -20,6 +26,14 @@ class Declaration:
     """The declaration of guide protocol, section 3, checked and completed.
 
     `fixed` are parameters that it cannot be told: `wavenumbers` if it has its own, `dy` if it knows square pixels only.
+
+    - `name`, `version`: words for the certificate, at most 120 characters each.
+    - `units`: `si` (m, s) or `scaled` (lengths in `1 / k0`, times in `1 / omega0`, gravity 1).
+    - `axes`: the order of the axes of a cube, a permutation of `xyt`; `y`: `up` or `down`, which way rows count.
+    - `direction`: `to` where a current is given by where it goes, `from` where by where it comes from.
+    - `format`: of the arrays exchanged with a program, `npz`, `mat` or `raw`.
+    - `can`: for each stage offered what of it: `methods`, `windows` and `resolves` of `extract`, `windows` of
+      `spectrum`, `names` of `window`. What is left out has a default.
     """
 
     name: str = "unnamed"
@@ -37,6 +51,9 @@ class Declaration:
         """From an object somebody wrote, whose words are cleaned here and nowhere else.
 
         Raises Unanswered (error) that names the field that is wrong.
+
+        Keys it does not know are ignored; fields that are missing have the defaults of the class. Lists of names must
+        be lists of different words, and `methods` must not be empty.
         """
         known = {**_DEFAULT, "format": "npz", "fixed": (), "can": {"extract": {}}, **_clean(given)}
         choices = {
@@ -76,27 +93,39 @@ class Declaration:
 
     @property
     def methods(self) -> tuple[str, ...]:
-        """Extractions offered; the first is its main one."""
+        """Extractions offered; the first is its main one. `nsp` if it says nothing."""
         return tuple(self.can.get("extract", {}).get("methods", ("nsp",)))
 
     @property
     def windows(self) -> tuple[str, ...]:
-        """Windows under which it can extract. One that tapers nothing is run raw, and tapered beforehand."""
+        """Windows under which it can extract. One that tapers nothing is run raw, and tapered beforehand. Where nothing
+        is declared they are `box` and `hann`.
+        """
         offered = self.can.get("extract", {}).get("windows", ("box", "hann"))
         return tuple(offered) or ("box", "hann")
 
     @property
     def tapers(self) -> bool:
-        """Whether it applies the window itself."""
+        """Whether it applies the window itself.
+
+        False where it declares an empty list of windows: then `frames.Subject` multiplies the cube by the taper itself.
+        """
         return bool(self.can.get("extract", {}).get("windows", ("box", "hann")))
 
     @property
     def band(self) -> bool:
-        """Whether it returns one velocity for the whole band of wavenumbers."""
+        """Whether it returns one velocity for the whole band of wavenumbers.
+
+        It does if it declares `resolves` as `band`. Such a code is asked as the others are, and its one answer is held
+        against every wavenumber of the band.
+        """
         return bool(self.can.get("extract", {}).get("resolves", "wavenumber") == "band")
 
     def record(self) -> dict[str, Any]:
-        """For the certificate."""
+        """For the certificate.
+
+        Plain types only, as they are written to JSON and to the page; `format` is left out, since no reader needs it.
+        """
         return {
             "name": self.name,
             "version": self.version,

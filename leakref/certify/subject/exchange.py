@@ -1,6 +1,16 @@
 """The private folder in which the arrays of a run are handed over and come back: formats, digests, stray files.
 
 What is promised of it is in the guide protocol, sections 7 and 10.
+
+It belongs to `protocol.ProcessSubject`, one for each session. A program under test may write anything here, or put
+links, pipes and huge files in the place of its output: files are opened without following links, sizes are looked at
+before contents, and nothing is trusted to be still what it was. What it should not have done is said in words.
+
+What is in the folder while a run lasts:
+
+    run-7/in.npz   or for raw   run-7/in/eta.f64, run-7/in/x.f64, ...
+    run-7/out.npz               run-7/out/S.f64
+    run-7/request.json, run-7/answer.json   (only if they are kept)
 """
 
 from __future__ import annotations
@@ -45,6 +55,10 @@ class Exchange:
 
     A run's input is one file, or for raw a folder with one for each array, read-only; its output likewise. Raises
     LeakrefError if nothing can be written to `keep`.
+
+    - `folder`: the one that holds a folder for each run; `output`: where the output of the last run should be.
+
+    OSError of the machine's own, such as a disk that is full, is passed on: it is no fault of the program.
     """
 
     def __init__(self, keep: Path | None = None) -> None:
@@ -64,6 +78,10 @@ class Exchange:
         """Write the inputs of a run as npz, mat or raw: the paths of its input, and of the output to be.
 
         Raises Unanswered (error) if somebody else keeps it from that.
+
+        `run` is a number that names the folder, `form` one of the three formats, `arrays` become float64 in C order,
+        little-endian. For raw, input and output are folders with a file `NAME.f64` for each array. Inode, size and
+        SHA-256 of every input are kept, for `changes`.
         """
         try:
             return self._given(run, form, arrays)
@@ -104,6 +122,9 @@ class Exchange:
         """The output variable `name`, float64 or complex128; raw has no shape of its own and takes on `shape`.
 
         Raises Unanswered: error if there is no such file or it is damaged, fail if it holds something else.
+
+        `shape` is the one it should have; only raw is given that shape here, the others keep their own, which the
+        caller checks. A file that claims to hold more than there should be is refused before it is unpacked.
         """
         path = self.output / f"{name}.f64" if self._format == "raw" else self.output
         try:
@@ -125,6 +146,9 @@ class Exchange:
         """What was done in the folder, since `give`, other than writing the output: each in words, none if all is well.
 
         What is still there of it counts as known afterwards.
+
+        An input may be removed, replaced, altered or locked; what else lies in the folder is named, the first three of
+        it. Files below a raw output folder count as output only if they end in `.f64`.
         """
         said = [
             f"{verb} its input {path.relative_to(self.output.parent)}"
@@ -144,7 +168,9 @@ class Exchange:
         return said
 
     def clear(self) -> None:
-        """Remove all that is in the folder, unless it is to be kept."""
+        """Remove all that is in the folder, unless it is to be kept. Called after every run, so that the outputs of one
+        run are never taken for those of the next.
+        """
         self._inputs = {}
         if not self._kept:
             _remove(self.folder)
@@ -153,7 +179,11 @@ class Exchange:
             self._known = set()
 
     def note(self, name: str, record: Mapping[str, Any]) -> None:
-        """Beside the files of a run that is kept, what was said about them, as JSON."""
+        """Beside the files of a run that is kept, what was said about them, as JSON.
+
+        `name` is `request.json` or `answer.json`. Nothing is written where nothing is kept, or where the folder of the
+        run has been taken away.
+        """
         if self._kept and _is_folder(self.output.parent):
             path = write_whole(self.output.parent / name, lambda beside: beside.write_text(dump(record) + "\n"))
             self._known.add(path)
@@ -191,6 +221,7 @@ def _opened(top: Path, path: Path) -> BinaryIO:
 
 
 def _file(number: int) -> BinaryIO:
+    """A stream of an open file, if it is a regular one. Raises OSError, and closes it, for anything else."""
     if stat.S_ISREG(os.fstat(number).st_mode):
         return os.fdopen(number, "rb")
     os.close(number)
@@ -198,6 +229,7 @@ def _file(number: int) -> BinaryIO:
 
 
 def _seen(top: Path, path: Path) -> Seen:
+    """Inode, size and digest of an input as it is now."""
     with _opened(top, path) as stream:
         about = os.fstat(stream.fileno())
         return about.st_ino, about.st_size, hashlib.sha256(stream.read(about.st_size)).hexdigest()
@@ -269,7 +301,10 @@ def _entries(top: Path) -> set[Path]:
 
 
 def _remove(path: Path) -> None:
-    """A folder with all that is in it, whatever modes it was given and however deep; or what has taken its place."""
+    """A folder with all that is in it, whatever modes it was given and however deep; or what has taken its place.
+
+    Others may still write into it, so it is gone over several times; what cannot be removed is left.
+    """
     with suppress(OSError):  # somebody may be at work in it
         if not _is_folder(path):
             path.unlink(missing_ok=True)

@@ -1,7 +1,8 @@
 """The implementation as a check sees it: always in the paper's scaled units, axes x, y, t, y upwards, going-to.
 
 What an implementation declares of itself is kept in a `Declaration`; a `Subject` turns arrays into the declared frame
-and units, has them worked on, in this process or in another, and turns answers back. A check never sees a frame.
+and units, has them worked on, in this process or in another, and turns answers back. A check never sees a frame. The
+four stages are those of the protocol: `window`, `synthesize`, `spectrum` and `extract`.
 """
 
 from __future__ import annotations
@@ -26,11 +27,15 @@ __all__ = ["GRAVITY", "PEAK", "Call", "Subject", "Velocities"]
 PEAK = 0.25
 """rad/m: the peak wavenumber at which an implementation in metres and seconds is shown the scaled seas; 25 m waves."""
 GRAVITY = 9.81
+"""In m/s2, for a code in SI."""
 
 
 @dataclass(frozen=True, eq=False)
 class Velocities:
-    """An answer: `values` (n, 2) at the `wavenumbers` (n,) that were asked for, NaN where `declined` (n,)."""
+    """An answer: `values` (n, 2) at the `wavenumbers` (n,) that were asked for, NaN where `declined` (n,).
+
+    `wavenumbers` are in units of `k0`, `values` in units of `c0`, x and y components of where the current goes.
+    """
 
     wavenumbers: FloatArray
     values: FloatArray
@@ -39,7 +44,11 @@ class Velocities:
 
 @dataclass(frozen=True, eq=False)
 class Call:
-    """What was asked of a stage and what came back, in scaled units and the frame of the checks: for the diagnosis."""
+    """What was asked of a stage and what came back, in scaled units and the frame of the checks: for the diagnosis.
+
+    - `stage`: one of the four; `asked`: what identifies the question (shape, wavenumbers, window, method, scale).
+    - `answer`: the array that came back: velocities (n, 2), S or eta (nx, ny, nt), or w (size,).
+    """
 
     stage: str
     asked: Mapping[str, Any]
@@ -50,9 +59,11 @@ class Subject:
     """An implementation under judgement. Subclasses say in `_work` where the work is done.
 
     `_work(stage, arrays, parameters)` is handed arrays in the declared frame and units and the parameters of the stage
-    (guide protocol, section 4), and returns the answer in the same: {"velocities": ..., "wavenumbers": ...} or
-    {"S": ...} and so on. It raises Unanswered. Arrays for surfaces are float64, C-contiguous, and must come back
-    unaltered.
+    (guide protocol, section 4), and returns the answer in the same: {"velocities": ..., "wavenumbers": ...} or {"S":
+    ...} and so on. It raises Unanswered. Arrays for surfaces are float64, C-contiguous, and must come back unaltered.
+
+    Whatever is asked of a stage that is not offered raises Unanswered (unsupported) before any work is done; an answer
+    of the wrong form raises Unanswered (fail) and says what it should be.
     """
 
     def __init__(self, declaration: Declaration) -> None:
@@ -66,7 +77,11 @@ class Subject:
         raise NotImplementedError
 
     def offers(self, stage: str, **asked: str) -> bool:
-        """Whether it offers a stage, with this `window`, `method` or window `name`."""
+        """Whether it offers a stage, with this `window`, `method` or window `name`.
+
+        For `extract` the window must be one of `Declaration.windows` and the method one of `Declaration.methods`; what
+        is not asked about is taken to be offered.
+        """
         can = self.declaration.can.get(stage)
         if can is None:
             return False
@@ -79,6 +94,7 @@ class Subject:
         return all(value in offered for value in asked.values())
 
     def _require(self, stage: str, **asked: str) -> None:
+        """Raises Unanswered (unsupported) unless it offers that."""
         if not self.offers(stage, **asked):
             what = ", ".join(f"{name} {value}" for name, value in asked.items())
             raise Unanswered(Verdict.UNSUPPORTED, f"does not offer {stage}" + f" with {what}" * bool(what))
@@ -86,14 +102,19 @@ class Subject:
     # ------------------------------------------------------------ frames and units
 
     def units(self, scale: float) -> tuple[float, float, float]:
-        """Unit of length, of time, and gravity, of a scaled sea whose peak is shown at `scale` times the usual one."""
+        """Unit of length, of time, and gravity, of a scaled sea whose peak is shown at `scale` times the usual one.
+
+        A code in SI is shown the sea with gravity 9.81 m/s2 and its peak at `PEAK` times `scale`, in rad/m; one in
+        scaled units with gravity 1 and its peak at `scale`. Scaled lengths and times are multiplied by these units,
+        wavenumbers divided by that of length.
+        """
         if self.declaration.units == "si":
             k0 = PEAK * scale
             return 1 / k0, 1 / float(Water(GRAVITY).frequency(k0)), GRAVITY
         return 1 / scale, 1 / float(DEEP.frequency(scale)), 1.0
 
     def framed(self, cube: FloatArray) -> FloatArray:
-        """A cube [x, y, t] with y upwards, as the implementation wants it."""
+        """A cube [x, y, t] with y upwards, as the implementation wants it. A new array, float64 and contiguous."""
         seen = cube[:, ::-1] if self.declaration.y == "down" else cube
         order = ["xyt".index(axis) for axis in self.declaration.axes]
         return np.array(seen.transpose(order), dtype=np.float64, order="C")
@@ -105,6 +126,9 @@ class Subject:
     def _surface(
         self, surface: FloatArray, spacing: Sequence[float], scale: float
     ) -> tuple[dict[str, Any], list[float], float]:
+        """The arrays eta, x, y, t in its units and frame, the steps dx, dy, dt, and gravity. Raises Unanswered for a
+        cube whose pixels are not square where it cannot be told so.
+        """
         if "dy" in self.declaration.fixed and abs(spacing[1] - spacing[0]) > 1e-9 * spacing[0]:
             raise Unanswered(Verdict.UNSUPPORTED, "knows square pixels only, and dy is not dx here")
         length, time, gravity = self.units(scale)
@@ -127,8 +151,15 @@ class Subject:
     ) -> Velocities:
         """Velocities (n, 2) at `wavenumbers` (n,), all in scaled units. Raises Unanswered.
 
-        A number that is not finite is a failure; one that is declined is NaN here, and all declined is a failure.
-        With `raw` the surface is handed over as it is, whatever it holds, and what comes back is only converted.
+        A number that is not finite is a failure; one that is declined is NaN here, and all declined is a failure. With
+        `raw` the surface is handed over as it is, whatever it holds, and what comes back is only converted.
+
+        `surface` is (nx, ny, nt) in units of `1 / k0`, `spacing` (dx, dy, dt) in `1 / k0` and `1 / omega0`. `method` is
+        its main one unless given. `scale` shows the same sea with its peak elsewhere (`units`). A code that tapers
+        nothing is handed a cube that is tapered already, and told `box`.
+
+        Answers are matched to the wavenumbers asked for, to within half a bin; for one that has none that near it
+        counts as declined. A band's single answer is repeated for each.
         """
         d = self.declaration
         method = method or d.methods[0]
@@ -165,7 +196,11 @@ class Subject:
         return found
 
     def spectrum(self, surface: FloatArray, spacing: Sequence[float], window: str) -> npt.NDArray[Any]:
-        """S or its magnitude, (nx, ny, nt), of the surface as the array that it is: y is not turned over."""
+        """S or its magnitude, (nx, ny, nt), of the surface as the array that it is: y is not turned over.
+
+        `spacing` is in scaled units, and of the answer only the shape is checked. Bins are in the order of `fftfreq`
+        along every axis, in the axes x, y, t.
+        """
         self._require("spectrum", window=window)
         arrays, steps, _ = self._surface(surface, spacing, 1.0)
         if self.declaration.y == "down":  # a transform knows nothing of up and down: array in, array out
@@ -181,7 +216,11 @@ class Subject:
         return self._kept("spectrum", {"shape": surface.shape, "window": window}, self.unframed(found))
 
     def synthesize(self, components: Components, x: FloatArray, y: FloatArray, t: FloatArray) -> FloatArray:
-        """The surface (nx, ny, nt), in units of 1 / k0."""
+        """The surface (nx, ny, nt), in units of 1 / k0.
+
+        `components` are in scaled units; `x` (nx,), `y` (ny,) in `1 / k0`, and `t` (nt,) in `1 / omega0`. For rows that
+        count downwards the waves are mirrored and their phases moved, so that the same surface is asked for.
+        """
         self._require("synthesize")
         length, time, _ = self.units(1.0)
         flip = self.declaration.y == "down"
@@ -207,7 +246,10 @@ class Subject:
         return self._kept("synthesize", {"waves": components.kx.size}, eta)
 
     def window(self, name: str, size: int) -> FloatArray:
-        """Samples of a window, (size,)."""
+        """Samples of a window, (size,).
+
+        A row or a column of that many numbers is taken as well. They must be real.
+        """
         self._require("window", name=name)
         found = np.asarray(_part(self._work("window", {}, {"name": name, "size": size}), "w"))
         if found.size != size or found.dtype.kind not in "fiu":
@@ -215,23 +257,29 @@ class Subject:
         return self._kept("window", {"name": name, "size": size}, found.astype(np.float64).ravel())
 
     def _kept(self, stage: str, asked: Mapping[str, Any], answer: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        """Written down for the diagnosis, which asks the reference with a fault the same and compares."""
         self.calls.append(Call(stage, asked, answer))
         return answer
 
 
 def _tapered(surface: FloatArray, window: str) -> FloatArray:
+    """A cube times the window along each axis, for a code that tapers nothing itself."""
     wx, wy, wt = (named_window(window).samples(n) for n in surface.shape)
     return surface * wx[:, None, None] * wy[:, None] * wt
 
 
 def _part(answer: Mapping[str, Any], name: str) -> Any:
+    """An output by its name. Raises Unanswered (fail) if the answer does not hold it."""
     if name not in answer:
         raise Unanswered(Verdict.FAIL, f"the answer holds {sorted(map(str, answer))}, should hold {name}")
     return answer[name]
 
 
 def _rows(answer: Mapping[str, Any], asked: FloatArray, d: Declaration) -> tuple[FloatArray, FloatArray | None]:
-    """Velocities (m, 2) with NaN for null, and the wavenumbers they are at, None for those asked. Units as answered."""
+    """Velocities (m, 2) with NaN for null, and the wavenumbers they are at, None for those asked. Units as answered.
+    Accepted are lists and arrays, null or a masked row for what is declined; words and truth values are refused. Raises
+    Unanswered (fail) for another number of rows.
+    """
     given = _part(answer, "velocities")
     if np.ma.isMaskedArray(given):
         given = [None if np.ma.getmaskarray(row).any() else row.tolist() for row in given]
@@ -276,6 +324,9 @@ def _numbers(given: Any) -> FloatArray | None:
 
 
 def _refuse_bad(found: FloatArray) -> None:
+    """Infinite stands for NaN or infinity in the answer (see `_rows`), NaN for what was declined: the first is a
+    failure, and so is it to decline everything.
+    """
     if (bad := np.isinf(found).any(axis=1)).any():
         raise Unanswered(
             Verdict.FAIL,
@@ -295,7 +346,9 @@ def _matched(
     length: float,
     d: Declaration,
 ) -> Velocities:
-    """For each wavenumber asked for the answer within half a bin of it; for a band the one answer there is."""
+    """For each wavenumber asked for the answer within half a bin of it; for a band the one answer there is. The bin is
+    the wider of those along x and y, since a code with wavenumbers of its own cannot know which are asked for.
+    """
     if d.band:
         values = np.repeat(values, asked.size, axis=0)
     elif at is not None:

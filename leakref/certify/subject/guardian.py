@@ -27,7 +27,11 @@ _LONGEST = 10.0  # seconds of killing, at most: one that hangs in a device does 
 
 
 def guard(control: socket.socket) -> int:
-    """Let a second one start the program and wait; its status as `waitpid` gives it."""
+    """Let a second one start the program and wait; its status as `waitpid` gives it.
+
+    `control` is the socket, from which the command is read first. Signals that ask it to end are received and do
+    nothing: it ends when the program does or when the socket closes. Returned is a status for `_exit_as`.
+    """
     folder, *command = _command(control)
     ctypes.CDLL(None).prctl(_SUBREAPER, 1, 0, 0, 0)
     for number in (signal.SIGHUP, signal.SIGINT, signal.SIGTERM):
@@ -76,12 +80,16 @@ def _close_streams() -> None:
 
 
 def _command(control: socket.socket) -> list[bytes]:
+    """The folder and the argument list, as bytes: what is handed over is not decoded."""
     with control.makefile("rb") as stream:
         return stream.read(int.from_bytes(stream.read(8), "big")).split(b"\0")
 
 
 def _started(command: list[bytes]) -> tuple[int, int]:
-    """The number of the program's process, in a session of its own, and of the error that kept it from starting."""
+    """The number of the program's process, in a session of its own, and of the error that kept it from starting. The
+    program is killed when this process ends, which the kernel sees to; should it have ended already the program is not
+    run at all.
+    """
     reader, writer = os.pipe()
     guardian = os.getpid()
     process = os.fork()

@@ -1,6 +1,10 @@
 """An implementation in this process: a Python object or function, called directly, without limits.
 
 What such an object offers and returns is in the guide protocol, section 5.
+
+Used by pytest (`certify.pytesting`), by the study of the suite's strength and by the diagnosis, where thousands of
+questions make a process for each too slow. `offer`, `describe` and `call` are shared with `certify.worker`, so that an
+object means the same in both. There is no protection: what hangs here hangs whoever called.
 """
 
 from __future__ import annotations
@@ -21,7 +25,16 @@ __all__ = ["Implementation", "InProcess", "accepts", "call", "describe", "offer"
 
 
 class Implementation(Protocol):
-    """What can be judged: any subset of these methods (guide protocol, section 5). A bare function is `extract`."""
+    """What can be judged: any subset of these methods (guide protocol, section 5). A bare function is `extract`.
+
+    - `describe()`: a declaration, a mapping of the fields of `Declaration`.
+    - `window(name, size)`: samples (size,).
+    - `synthesize(components, x, y, t)`: the surface on these axes, in the order of axes that is declared.
+    - `spectrum(surface, spacing, window=)`: S or its magnitude, of the shape of the surface.
+    - `extract(surface, spacing, wavenumbers, ...)`: velocities (n, 2), None or a masked row where there is no number.
+
+    Arrays come in the units and the frame that it declares. NotImplementedError says that it does not offer something.
+    """
 
     def describe(self) -> Mapping[str, object]: ...
     def window(self, name: str, size: int) -> FloatArray: ...
@@ -40,7 +53,12 @@ class Implementation(Protocol):
 
 
 class InProcess(Subject):
-    """A Python object or function called directly: for pytest and for the study of the suite, without limits."""
+    """A Python object or function called directly: for pytest and for the study of the suite, without limits.
+
+    `implementation` is an instance or a function (a class is not called here). `functions` are the stages it offers, by
+    name. An input that a call has altered is noted in `violations`; an exception becomes Unanswered with its type and
+    words. On construction Unanswered is raised where it offers nothing or declares what cannot be.
+    """
 
     def __init__(self, implementation: Any, name: str = "") -> None:
         self.functions = offer(implementation)
@@ -66,6 +84,7 @@ class InProcess(Subject):
 
 
 def _name(implementation: Any) -> str:
+    """What it is called where it does not say: module and qualified name."""
     own = getattr(implementation, "__qualname__", None) or type(implementation).__qualname__
     return f"{getattr(implementation, '__module__', '')}:{own}"
 
@@ -81,7 +100,12 @@ def offer(implementation: Any) -> dict[str, Callable[..., Any]]:
 
 
 def describe(given: dict[str, Any], calls: Mapping[str, Callable[..., Any]], name: str) -> Declaration:
-    """What an object says of itself, completed by what its signatures show: keywords that are lacking are fixed."""
+    """What an object says of itself, completed by what its signatures show: keywords that are lacking are fixed.
+
+    `given` is what its `describe()` returned, `calls` the stages from `offer`, `name` what it is called if it does not
+    say. A stage that it declares and does not have is dropped. An `extract` without a `window` keyword tapers nothing,
+    one without `method` has one method, taken for `nsp`. Raises Unanswered as `Declaration.read` does.
+    """
     can = {stage: dict(given.get("can", {}).get(stage, {})) for stage in calls if stage in given.get("can", calls)}
     fixed = list(given.get("fixed", ()))
     if "extract" in can:
@@ -96,7 +120,9 @@ def describe(given: dict[str, Any], calls: Mapping[str, Callable[..., Any]], nam
 
 
 def accepts(function: Callable[..., Any], keyword: str) -> bool:
-    """Whether `function` takes the keyword; one whose signature cannot be seen takes all."""
+    """Whether `function` takes the keyword; one whose signature cannot be seen takes all. `**keywords` take all as
+    well.
+    """
     try:
         parameters = inspect.signature(function).parameters
     except (TypeError, ValueError):
@@ -105,7 +131,11 @@ def accepts(function: Callable[..., Any], keyword: str) -> bool:
 
 
 def takes_wavenumbers(function: Callable[..., Any]) -> bool:
-    """Whether it has a third positional parameter, whatever its name."""
+    """Whether it has a third positional parameter, whatever its name.
+
+    The keywords `gravity`, `window` and `method` do not count among the three. One that does not take them has
+    wavenumbers of its own, and must say with each answer which they are.
+    """
     try:
         parameters = inspect.signature(function).parameters.values()
     except (TypeError, ValueError):
@@ -119,7 +149,12 @@ def takes_wavenumbers(function: Callable[..., Any]) -> bool:
 def call(
     function: Callable[..., Any], stage: str, arrays: Mapping[str, Any], parameters: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Call a Python stage with what the protocol hands over, passing only the keywords it takes."""
+    """Call a Python stage with what the protocol hands over, passing only the keywords it takes.
+
+    `arrays` and `parameters` are those of guide protocol, section 4; returned are the outputs by name, as they came. Of
+    `extract` three forms are understood: a mapping, a pair of velocities (n, 2) and wavenumbers (n,), and velocities
+    alone. Whatever the function raises is passed on.
+    """
 
     def taken(**keywords: Any) -> dict[str, Any]:
         return {name: value for name, value in keywords.items() if accepts(function, name)}

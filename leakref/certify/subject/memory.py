@@ -1,4 +1,8 @@
-"""How much memory processes hold: what is resident, and what is in memory files that they have open but not mapped."""
+"""How much memory processes hold: what is resident, and what is in memory files that they have open but not mapped.
+
+`child` asks this twenty times a second while a program works, and ends one that holds more than its limit. Adding up
+resident sizes alone would miss arrays that are kept in memory files, and those are where a program can hide most.
+"""
 
 from __future__ import annotations
 
@@ -17,6 +21,9 @@ def held(processes: Iterable[psutil.Process]) -> int:
 
     Files of memory are memfd and /dev/shm on Linux. Their pages are resident where they are mapped: what counts is the
     larger of what is mapped of such files and what the open ones hold.
+
+    Processes that are gone, or that may not be looked into, count as nothing. On systems other than Linux only resident
+    memory is counted.
     """
     resident = mapped = 0
     files: dict[tuple[int, int], int] = {}

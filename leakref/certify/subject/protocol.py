@@ -1,4 +1,17 @@
-"""An implementation in another process: the loop of protocol 1 (guide protocol, section 6), with limits."""
+"""An implementation in another process: the loop of protocol 1 (guide protocol, section 6), with limits.
+
+`ProcessSubject` holds one program at a time: it starts it, asks one question after the other, and starts it again after
+a breach. Files go through `exchange`, lines through `child`. It decides only whether there is an answer in due form;
+whether it is right is for the checks. Used by `targets.connect`.
+
+A session, as lines of JSON on the program's standard input (`>`) and output (`<`):
+
+    > {"op": "start", "protocol": 1, "formats": ["mat", "npz", "raw"]}
+    < {"op": "ready", "protocol": 1, "units": "si", "format": "npz", "can": {"extract": {}}}
+    > {"op": "run", "id": 1, "stage": "extract", "input": "PATH", "output": "PATH", "parameters": {...}}
+    < {"id": 1, "status": "ok", "velocities": [[0.1, 0.0], null]}
+    > {"op": "stop"}
+"""
 
 from __future__ import annotations
 
@@ -24,21 +37,29 @@ from leakref.synthesis import synthesize
 __all__ = ["FORMATS", "PROTOCOL", "STRIKES", "HarnessBroken", "Limits", "ProcessSubject"]
 
 PROTOCOL = 1
+"""The version that is spoken; a program that answers with another is refused at the start."""
 FORMATS = ("mat", "npz", "raw")
+"""Of arrays in files, as they are offered to the program, which chooses one in its declaration."""
 STRIKES = 3
 """Breaches in a row after which nothing more is asked."""
 _OUTPUTS = {"spectrum": "S", "synthesize": "eta", "window": "w"}
 
 
 class HarnessBroken(LeakrefError):
-    """Nothing can be judged: the program does not get as far as answering a first, small question."""
+    """Nothing can be judged: the program does not get as far as answering a first, small question.
+
+    The command then ends with status 3, not judged: such a program has not been found wrong.
+    """
 
     status = 3
 
 
 @dataclass(frozen=True)
 class Limits:
-    """Seconds to `start` and to `run`, and bytes of resident `memory` of the program with all it has started."""
+    """Seconds to `start` and to `run`, and bytes of resident `memory` of the program with all it has started.
+
+    `run` is for one request; the clock starts anew with each. Values that are not positive are not looked for here.
+    """
 
     start: float = 30.0
     run: float = 120.0
@@ -46,18 +67,23 @@ class Limits:
 
     @classmethod
     def given(cls, timeout: float | None, start: float | None, memory: float, run: float = 120.0) -> Limits:
-        """From options: `timeout` is for a run, else `run`, and for the start, unless `start` is; `memory` in GiB."""
+        """From options: `timeout` is for a run, else `run`, and for the start, unless `start` is; `memory` in GiB.
+
+        None or 0 stands for not given. `run` is the profile's own: the full one has larger cubes.
+        """
         return cls(start or timeout or cls.start, timeout or run, int(memory * 2**30))
 
 
 class ProcessSubject(Subject):
     """A program that speaks protocol 1, as a context: started and tried out on entry, ended on exit with all it left.
 
-    `command` is its argument list, `folder` where it runs (default: here), `keep` a folder in which the files
-    exchanged stay; `loading` are seconds until it says that it gets to what is its own, where its start begins.
-    On entry LeakrefError if it cannot be started or refuses, HarnessBroken if it does not answer.
-    What it changes in the exchange folder, other than its output, is added to `violations`; on exit, what it has said
-    after its last answer.
+    `command` is its argument list, `folder` where it runs (default: here), `keep` a folder in which the files exchanged
+    stay; `loading` are seconds until it says that it gets to what is its own, where its start begins. On entry
+    LeakrefError if it cannot be started or refuses, HarnessBroken if it does not answer. What it changes in the
+    exchange folder, other than its output, is added to `violations`; on exit, what it has said after its last answer.
+
+    After `STRIKES` breaches in a row every further question is answered at once with Unanswered (error), so that a
+    program that hangs costs three limits and not a hundred. Any proper answer sets the count back.
     """
 
     def __init__(
@@ -110,7 +136,9 @@ class ProcessSubject(Subject):
         self.close()
 
     def close(self) -> None:
-        """End the program and all it has started; remove what was exchanged."""
+        """End the program and all it has started; remove what was exchanged. It may be called again. What the program
+        says unasked at the end is a violation; one that was ended in the middle of a run is not asked.
+        """
         try:
             if self._child and not self._asking:
                 if said := self._child.unasked():
@@ -124,11 +152,14 @@ class ProcessSubject(Subject):
                 last_resorts.discard(self._abandon)
 
     def _abandon(self) -> None:
+        """The last resort if we are told to end: nothing of it may be left behind."""
         self.interrupt()
         self._exchange.close()
 
     def interrupt(self) -> None:
-        """From another thread: end the program, so that whoever waits for its answer need not. There will be none."""
+        """From another thread: end the program, so that whoever waits for its answer need not. There will be none.
+        Nothing is started again afterwards.
+        """
         self._interrupted, self._strikes = True, STRIKES
         if child := self._child:
             child.kill()
@@ -136,7 +167,10 @@ class ProcessSubject(Subject):
     # ------------------------------------------------------------ starting
 
     def _start(self) -> Declaration:
-        """Start the program: what it declares. Raises Breach, or LeakrefError where it refuses to start."""
+        """Start the program: what it declares. Raises Breach, or LeakrefError where it refuses to start. A worker of
+        ours says `loading` when leakref itself is imported, and its start begins to count then. A program that says
+        `failed` refuses with words of its own: a HarnessBroken if it says that it is broken, else LeakrefError.
+        """
         self._child = child = Child(self.command, self.folder, str(self._exchange.folder), self._exchange.belongings)
         if self._interrupted:  # before it was there to be ended
             child.kill()
@@ -165,7 +199,9 @@ class ProcessSubject(Subject):
             raise Breach(wrong.verdict, wrong.message) from None
 
     def _running(self) -> Child:
-        """The program, started again if it was ended."""
+        """The program, started again if it was ended. A program that declares something else after a restart is in
+        breach: findings before and after would be of two codes.
+        """
         if self._child is None:
             try:
                 declared = self._start()
@@ -181,7 +217,9 @@ class ProcessSubject(Subject):
         return self._child
 
     def _try_out(self) -> None:
-        """Ask one small question, of a 16 x 12 x 10 cube. Raises Unanswered only where there is no proper answer."""
+        """Ask one small question, of a 16 x 12 x 10 cube. Raises Unanswered only where there is no proper answer. So
+        that a program that cannot answer at all is told apart from one that answers wrongly: the first is not judged.
+        """
         grid = Grid((16, 12, 10), (0.9, 0.9 if "dy" in self.declaration.fixed else 1.1, 0.8))
         waves, _ = aligned_waves(grid, [(3, 1, 2), (1, 2, 2)])
         axes = [grid.samples(axis) for axis in range(3)]
@@ -202,6 +240,9 @@ class ProcessSubject(Subject):
     # ------------------------------------------------------------ one run
 
     def _work(self, stage: str, arrays: dict[str, Any], parameters: dict[str, Any]) -> Mapping[str, Any]:
+        """One request and its answer. Whatever happens, what was changed in the folder is noted and the folder emptied;
+        after a breach the program is ended, and started again with the next question.
+        """
         if self._strikes >= STRIKES:
             raise Unanswered(
                 Verdict.ERROR,
@@ -240,7 +281,10 @@ class ProcessSubject(Subject):
             self._exchange.clear()
 
     def _asked(self, request: Mapping[str, Any]) -> dict[str, Any]:
-        """The answer to a request, of status ok. Raises Unanswered for the others, Breach if it is none."""
+        """The answer to a request, of status ok. Raises Unanswered for the others, Breach if it is none. An error that
+        may be for want of room on our disk is looked into first (`Exchange.check_space`), and is then no fault of the
+        program's.
+        """
         child = self._running()
         self._asking = True
         child.send(request)
@@ -296,4 +340,5 @@ class ProcessSubject(Subject):
 
 
 def _first(declared: Declaration, stage: str, names: str) -> str:
+    """A name that it declares for a stage, for the first small question."""
     return str(next(iter(declared.can[stage].get(names, ())), "hann"))

@@ -1,4 +1,15 @@
-"""Spectra by both routes, and the shells cut out of them."""
+"""Spectra by both routes, and the shells cut out of them.
+
+The stages are `transform` (of a given surface), `spectrum` (of given waves, sec:NSP_and_leakage), `shell` (which bins
+belong to one, eq:g), `magnitude` (F on them, eq:maskedSpec) and `characteristic` (G, eq:DSVkernel). Outputs on a shell
+come in the order of the bin numbers (i, j), so that no order of columns is part of a golden value.
+
+- `transform`: `surface` (nx, ny, nt), `spacing`, `window`; `real` and `imag`, (nx, ny, nt), bins as `fftfreq` has them.
+- `spectrum`: five arrays of waves, `shape`, `spacing`, `window`; the same.
+- `shell`: `shape`, `spacing`, `wavenumber`, `gravity`; `i`, `j`, `intrinsic` (n,), `omega`, `weight` (nt // 2 + 1,).
+- `magnitude`: waves or a surface and a shell; `F` (n, nt // 2 + 1).
+- `characteristic`: a shell and a `velocity` (2,); `G` (n, nt // 2 + 1).
+"""
 
 from __future__ import annotations
 
@@ -60,30 +71,38 @@ def _plain_transform(given: Input) -> Output:
 
 
 def _spectrum_conditioning(given: Input, found: Output) -> Output:
+    """Real and imaginary parts by the largest magnitude, since that is what rounds."""
     largest = float(np.hypot(found["real"], found["imag"]).max())
     return {"real": largest * turns(given), "imag": largest * turns(given)}
 
 
 def shell_of(spectrum: Spectrum, given: Input) -> Shell:
-    """The shell that the input of an entry asks for."""
+    """The shell that the input of an entry asks for. The input names `wavenumber` and `gravity`."""
     return shell_at(spectrum, given["wavenumber"], water=Water(given["gravity"]))
 
 
 def in_order(shell: Shell, given: Input) -> Any:
-    """Columns by bin numbers (i, j), ascending."""
+    """Columns by bin numbers (i, j), ascending.
+
+    Returned are i, j (n,) and the order that sorts the columns.
+    """
     grid = grid_of(given)
     i, j = (np.rint(k / dk).astype(int) for k, dk in zip((shell.kx, shell.ky), grid.bin_widths, strict=False))
     return i, j, np.lexsort((j, i))
 
 
 def empty_spectrum(given: Input) -> Spectrum:
-    """A spectrum of the right bins that holds nothing, for what depends on the bins alone."""
+    """A spectrum of the right bins that holds nothing, for what depends on the bins alone.
+
+    Its shape is that of the grid with half of the frequencies; all values are 1, so that shells find their bins.
+    """
     grid = grid_of(given)
     nx, ny, nt = grid.shape
     return Spectrum(grid, "box", grid.bins(0), grid.bins(1), np.ones((nx, ny, nt // 2 + 1), dtype=np.complex128))
 
 
 def _membership(given: Input) -> Output:
+    """Which bins a shell has, their omega0, and the weights of frequencies; no magnitudes are needed for that."""
     shell = shell_of(empty_spectrum(given), given)
     i, j, order = in_order(shell, given)
     return {
@@ -96,6 +115,7 @@ def _membership(given: Input) -> Output:
 
 
 def _membership_by_oracle(given: Input, _: Output) -> Output:
+    """From the definition, bin by bin."""
     shell, bins = oracle_shell(given, None)
     return {
         "i": [i for i, _ in bins],
@@ -109,7 +129,11 @@ def _membership_by_oracle(given: Input, _: Output) -> Output:
 def oracle_shell(
     given: Input, values: Callable[[oracle.Bins], Any] | None, wavenumber: float | None = None
 ) -> tuple[oracle.Shell, oracle.Bins]:
-    """A shell as the high-precision oracle makes it, and its bins; `values` gives what the bins hold."""
+    """A shell as the high-precision oracle makes it, and its bins; `values` gives what the bins hold.
+
+    `wavenumber` is that of the input unless given; `values` None makes a shell without magnitudes, for membership
+    alone.
+    """
     bins = sorted(oracle.shell_bins(given["shape"], given["spacing"], wavenumber or given["wavenumber"]))
     found = values(bins) if values is not None else None
     return oracle.Shell(found, bins, given["shape"], given["spacing"], given["gravity"]), bins
@@ -124,6 +148,8 @@ def oracle_values(given: Input) -> Callable[[oracle.Bins], Any]:
 
 
 def _magnitude(spectrum: Callable[[Input], Spectrum]) -> Callable[[Input], Output]:
+    """F on the columns of the shell, in the order of their numbers."""
+
     def run(given: Input) -> Output:
         shell = shell_of(spectrum(given), given)
         return {"F": shell.magnitude[in_order(shell, given)[2]]}
@@ -136,7 +162,10 @@ def _magnitude_by_oracle(given: Input, _: Output) -> Output:
 
 
 def width_of(given: Input) -> float:
-    """The width a of G, in rad per unit time."""
+    """The width a of G, in rad per unit time.
+
+    `WIDTH` frequency bins (a of eq:DSVkernel, sec:parameters).
+    """
     return WIDTH * grid_of(given).frequency_resolution
 
 

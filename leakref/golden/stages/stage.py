@@ -1,4 +1,16 @@
-"""What a stage with golden values is, and what several of them share."""
+"""What a stage with golden values is, and what several of them share.
+
+Stages are made of small functions from an input to an output, both mappings from names to plain values. This module has
+those that several stages share: how grids, waves and spectra come out of an input, and how roundings are counted
+(`relative`, `turns`). The stages themselves are in the modules beside it.
+
+A stage is its equation, the routes, the oracle and the conditioning. With one route, it reads:
+
+    Stage("eq:JONSWAP", {"chain": compute}, by_oracle, conditioning)
+
+where `compute(given)` returns `{"density": array}`, `by_oracle(given, first)` the same with 40 digits, and
+`conditioning(given, found)` one number or one for each item.
+"""
 
 from __future__ import annotations
 
@@ -32,14 +44,22 @@ __all__ = [
 ]
 
 Input = Mapping[str, Any]
+"""An entry's input, by name: numbers and lists as JSON has them."""
 Output = dict[str, Any]
+"""Outputs by name, arrays or what becomes one; `notes` are lists of names."""
 Route = Callable[[Input], Output]
 WAVE = ("kx", "ky", "omega", "amplitude", "phase")
 
 
 @dataclass(frozen=True)
 class Stage:
-    """How one stage's golden values are computed. `oracle` gets what the first route found: optima start there."""
+    """How one stage's golden values are computed. `oracle` gets what the first route found: optima start there.
+
+    - `equation`: the paper's label; `routes`: by name, ways to compute the outputs that must agree.
+    - `oracle`: the outputs with 40 digits; None if the first route's are kept.
+    - `conditioning`: for each output one number or one for each item of its first axis, in its own unit: how far it
+      moves if every rounding on the way is one unit of 2^-52.
+    """
 
     equation: str
     routes: Mapping[str, Callable[[Input], Output]]
@@ -48,19 +68,25 @@ class Stage:
 
 
 def as_floats(value: Any) -> Any:
-    """mpmath numbers in nested lists to floats, correctly rounded."""
+    """mpmath numbers in nested lists to floats, correctly rounded. Anything that `float` takes is taken as an mpmath
+    number.
+    """
     if isinstance(value, list | tuple):
         return [as_floats(item) for item in value]
     return float(value)
 
 
 def largest(value: Any) -> float:
-    """The largest absolute value of nested lists, NaN aside."""
+    """The largest absolute value of nested lists, NaN aside. 0 for an empty one."""
     return float(np.nanmax(np.abs(np.asarray(value, dtype=np.float64)), initial=0.0))
 
 
 def relative(factor: float, *exact: str) -> Callable[[Input, Output], Output]:
-    """`factor` roundings of the largest item of each output; those named `exact` none."""
+    """`factor` roundings of the largest item of each output; those named `exact` none.
+
+    Returned is a function for `Stage.conditioning`. `factor` is the number of roundings on the way, as they can be
+    counted in the code.
+    """
     return lambda given, found: {
         name: 0.0 if name in exact else factor * largest(value) for name, value in found.items()
     }
@@ -87,7 +113,10 @@ def real_and_imaginary(values: Any) -> Output:
 
 
 def rounded(found: Any) -> Output:
-    """Complex numbers of the oracle as floats; what is zero but for its own rounding is zero."""
+    """Complex numbers of the oracle as floats; what is zero but for its own rounding is zero.
+
+    `found` are nested lists; returned are the outputs `real` and `imag`. Parts below 1e-30 of the largest are zero.
+    """
 
     def part(nested: Any, name: str) -> Any:
         return [part(v, name) for v in nested] if isinstance(nested, list) else float(getattr(nested, name))
@@ -98,7 +127,12 @@ def rounded(found: Any) -> Output:
 
 
 def turns(given: Input) -> float:
-    """Roundings of an item of S over its largest: turns of phase formed, and the stages of the FFT."""
+    """Roundings of an item of S over its largest: turns of phase formed, and the stages of the FFT.
+
+    A wave whose phase is formed as a product has that phase wrong by as many roundings as it has radians: the sum of `k
+    x` over each side of the cube, and its own. A surface that is given has only the stages of the FFT, log2 of its
+    size.
+    """
     grid = grid_of(given)
     stages = float(np.log2(np.prod(grid.shape)))
     if "kx" not in given:
@@ -128,12 +162,15 @@ def in_closed_form(given: Input) -> Spectrum:
 
 
 def both_routes(make: Callable[[Callable[[Input], Spectrum]], Route]) -> dict[str, Route]:
-    """The same by the surface and the FFT (A) and in closed form (B)."""
+    """The same by the surface and the FFT (A) and in closed form (B).
+
+    `make` gets the function that turns an input into a Spectrum, and gives the route.
+    """
     return {"A": make(by_surface), "B": make(in_closed_form)}
 
 
 def plain(found: Output) -> Output:
-    """Outputs as floats in nested lists or arrays, whoever computed them."""
+    """Outputs as floats in nested lists or arrays, whoever computed them. `notes` are left as they are."""
     return {
         name: value
         if name == "notes"

@@ -1,4 +1,16 @@
-"""Scores, velocities and their statistics."""
+"""Scores, velocities and their statistics.
+
+The stages are `score` and `derivatives` (N of eq:normSp, its gradient and Hessian), `nsp` and `ls` (the velocities that
+maximise it, or minimise eq:LS1), `extract` (the whole chain from a surface) and `statistics` (bias and random part of
+sec:parameters). The conditioning of a velocity is the hardest of all and has its own functions here, which `entries`
+uses for whole seas.
+
+- `score`: waves or a surface, a shell and `velocities` (m, 2); `N` (m,).
+- `derivatives`: likewise with one `velocity`; `N`, `gradient` (2,), `hessian` (2, 2).
+- `nsp`, `ls`: waves or a surface and `wavenumbers` (n,); `velocities` (n, 2) and notes.
+- `extract`: a surface, `spacing`, `wavenumbers`, `gravity`, `window`, `method`; the same.
+- `statistics`: `velocities` (R, n, 2); `bias`, `random`, `standard_error`, `count` (n,), `mean` (n, 2).
+"""
 
 from __future__ import annotations
 
@@ -68,7 +80,9 @@ def _derivatives_by_oracle(given: Input, _: Output) -> Output:
 def _sensitivity(shell: Shell, velocity: Any, width: float) -> tuple[float, FloatArray]:
     """How N and its gradient move with F: root of the sum over bins of (dN/dF)^2; sum of the products, (2, 2).
 
-    Of N = scale sum w G F / (sum w G sum w F): derivatives by F at one bin, and those again by the velocity.
+    Of N = scale sum w G F / (sum w G sum w F): derivatives by F at one bin, and those again by the velocity. N does not
+    change if all of F is multiplied by a number, which is why a bin counts by how much G there differs from the mean of
+    G over the energy (`g - overlap / energy`).
     """
     g, slope_x, slope_y = (np.zeros_like(shell.magnitude) for _ in range(3))
     shift = shell.kx * velocity[0] + shell.ky * velocity[1]
@@ -91,7 +105,9 @@ def _sensitivity(shell: Shell, velocity: Any, width: float) -> tuple[float, Floa
 
 
 def _score_conditioning(given: Input, found: Output) -> Output:
-    """Roundings of F (see `_turns`) carried into N; its derivatives have a natural step, 4 k / a, in velocity."""
+    """Roundings of F (see `_turns`) carried into N; its derivatives have a natural step, 4 k / a, in velocity. A
+    derivative by the velocity is larger by the step, and worse conditioned by as much.
+    """
     spectrum = in_closed_form(given)
     shell, width = shell_of(spectrum, given), width_of(given)
     rounding = spectrum.strongest[0] * turns(given)
@@ -105,7 +121,11 @@ def _score_conditioning(given: Input, found: Output) -> Output:
 
 
 def softness(method: str, score: float, hessian: FloatArray, unit: float = 1.0) -> float:
-    """How much worse than `UNFLAGGED` an optimum is conditioned: 1, and more where it is flat; `unit` is c0."""
+    """How much worse than `UNFLAGGED` an optimum is conditioned: 1, and more where it is flat; `unit` is c0.
+
+    `hessian` (2, 2) is that of N for `nsp`, of the cost for `ls`; `score` is N. For NSP the smaller curvature counts,
+    in `c0^2` over N; for LS the ratio of the two, how stiff the normal matrix is over how soft.
+    """
     curvature = np.abs(np.linalg.eigvalsh(hessian))
     if method == "nsp":
         return float(max(1.0, _FLAT * score / max(curvature[0] * unit**2, 1e-300)))
@@ -157,6 +177,9 @@ def _record(found: Extraction) -> Output:
 
 
 def _velocities_by_oracle(given: Input, first: Output, method: str = "nsp") -> Output:
+    """NSP by Newton's method with 40 digits from the velocity that the chain found, so that both are the same maximum;
+    LS by Cramer's rule, from nothing.
+    """
     values, result = oracle_values(given), []
     for k, start in zip(given["wavenumbers"], np.asarray(first["velocities"]), strict=True):
         if not np.isfinite(start).all() and method == "nsp":
@@ -168,6 +191,7 @@ def _velocities_by_oracle(given: Input, first: Output, method: str = "nsp") -> O
 
 
 def _velocities_conditioning(given: Input, method: str) -> Output:
+    """Of the velocities that the chain finds on the surface, by `velocity_conditioning`."""
     spectrum = by_surface(given)
     found = analyse(spectrum, given["wavenumbers"], gravity=given["gravity"], method=method, search=False)
     return {"velocities": velocity_conditioning(spectrum, found, turns(given), Water(given["gravity"]))}

@@ -1,4 +1,22 @@
-"""Grids, dispersion, currents, seas and surfaces."""
+"""Grids, dispersion, currents, seas and surfaces.
+
+The stages, with the labels they are held to: `scaled-grid` (sec:parameters), `bins` (app:numdetails), `dispersion`
+(sec:theory), `resolutions` (eq:dcdwk), `doppler` (eq:SJ, in closed form and by quadrature), `scales` (sec:dimensions),
+`jonswap` (eq:JONSWAP), `spreading` (eq:angularspread), `phases` (decision D11), `components` (eq:amplitudes) and
+`surface`.
+
+What goes in and what comes out, scaled units unless a gravity is given:
+
+- `scaled-grid`: `length`, `duration`; `shape` (3,), `spacing` (3,), `bin_widths` (3,), `wavenumbers` (n,).
+- `bins`: `shape`, `spacing`; `kx` (nx,), `ky` (ny,), `omega` (nt // 2 + 1,), `nyquist` (3,), `resolution` (2,).
+- `dispersion`: `wavenumber` (n,), `gravity`; `frequency`, `phase_velocity`, `group_velocity`, (n,) each.
+- `resolutions`: those, dk and domega; `from_frequency`, `from_wavenumber`, (n,) each.
+- `doppler`: `wavenumber` (n,) and a `current` (velocity, shear, layers); `velocity` (n, 2).
+- `scales`: `peak_wavenumber`, `gravity`; a wavenumber, a frequency, a length, a time and a velocity.
+- `jonswap`, `spreading`: `frequency` or `direction` (n,) and parameters; `density` (n,).
+- `phases`: `realization`, `i`, `j` (n,); `phase` (n,). `components`: a sea; five arrays (n,).
+- `surface`: five arrays of waves and the axes `x`, `y`, `t`; `eta` (nx, ny, nt).
+"""
 
 from __future__ import annotations
 
@@ -30,6 +48,7 @@ def _scaled_grid(given: Input) -> Output:
 
 
 def _scaled_grid_by_oracle(given: Input, _: Output) -> Output:
+    """By the rules of sec:parameters alone: 28 samples a wavelength, 14 a period, shells from 0.4 to 3.5."""
     mp, mpf = oracle.mp, oracle.mpf
     sizes = [int(mp.nint(mpf(given["length"]) * 28)), int(mp.nint(mpf(given["duration"]) * 14))]
     sides = [2 * mp.pi * mpf(given[name]) for name in ("length", "duration")]
@@ -82,6 +101,7 @@ def _dispersion(given: Input) -> Output:
 
 
 def _dispersion_by_oracle(given: Input, _: Output) -> Output:
+    """The group velocity as the derivative of omega0, and not by a formula of its own."""
     g = given["gravity"]
     omega = [oracle.dispersion(k, g) for k in given["wavenumber"]]
     return {
@@ -101,6 +121,7 @@ def _resolutions(given: Input) -> Output:
 
 
 def _resolutions_by_oracle(given: Input, _: Output) -> Output:
+    """eq:dcdwk: domega / k, and half the phase velocity times dk / k."""
     g, dk, dw = (oracle.mpf(given[name]) for name in ("gravity", "wavenumber_resolution", "frequency_resolution"))
     k = [oracle.mpf(v) for v in given["wavenumber"]]
     group = [oracle.dispersion(v, g) / v / 2 for v in k]
@@ -136,6 +157,7 @@ def _closed_current(given: Input) -> Current:
 
 
 def _shifts(current: Current, given: Input) -> Output:
+    """eq:SJ at the wavenumbers of the entry, (n, 2)."""
     return {"velocity": current.doppler_shift_velocity(np.array(given["wavenumber"]))}
 
 
@@ -164,17 +186,20 @@ def _jonswap_conditioning(given: Input, found: Output) -> Output:
 
 
 def _spreading_conditioning(given: Input, found: Output) -> Output:
+    """The argument of the cosine is a difference of angles over the spread: its turns are what rounds."""
     turn = (largest(given["direction"]) + abs(given["mean"]) + 360) / given["spread"]
     return {"density": 4 + np.pi * turn}
 
 
 def _phases_by_oracle(given: Input, _: Output) -> Output:
+    """By Python's integers, word by word of Philox."""
     return {
         "phase": [oracle.lattice_phase(given["realization"], i, j) for i, j in zip(given["i"], given["j"], strict=True)]
     }
 
 
 def _sea(given: Input) -> Output:
+    """The five arrays of the waves, turned about a centre if the entry says so."""
     state = SeaState(
         given["direction"], given["spread"], given["peakedness"], given["length"], _closed_current(given["current"])
     )
@@ -190,6 +215,9 @@ def _sea_by_oracle(given: Input, _: Output) -> Output:
 
 
 def _sea_conditioning(given: Input, found: Output) -> Output:
+    """Wavenumbers are products of whole numbers with dk; amplitudes round with the exponents of eq:JONSWAP and the
+    cosine of the spreading; phases are exact unless the sea is turned about a centre.
+    """
     k = np.hypot(found["kx"], found["ky"])
     a, turning = np.asarray(found["amplitude"]), given.get("rotation", 0) != 0
     centre = np.hypot(*given.get("centre", (0, 0)))
@@ -205,6 +233,7 @@ def _sea_conditioning(given: Input, found: Output) -> Output:
 
 
 def _surface_conditioning(given: Input, _: Output) -> Output:
+    """Each wave by its amplitude times the radians of its phase, all added as if none cancelled."""
     x, y, t = (largest(given[axis]) for axis in "xyt")
     w = waves_of(given)
     turns = np.abs(w.kx) * x + np.abs(w.ky) * y + np.abs(w.omega) * t + np.abs(w.phase)

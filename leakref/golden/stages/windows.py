@@ -1,4 +1,14 @@
-"""Windows: samples, responses, lobes and their figures."""
+"""Windows: samples, responses, lobes and their figures.
+
+The stages are `window` (samples, eq:hann), `response` (the transform of a wave between bins, by closed form and by
+plain sums), `lobes` (the continuous transform, fig:leakage_lobes) and `figures` (first zero, widths, sidelobes and
+bandwidth, app:window_comparison). Positions and widths are in bins, levels over that at the centre.
+
+- `window`: `window`, `size`; `w` (size,).
+- `response`: `window`, `bins` (b,), `positions` (p,), `size`; `real` and `imag`, (b, p).
+- `lobes`: `window`, `offsets` (n,); `lobe` (n,).
+- `figures`: `window`; eight numbers by name.
+"""
 
 from __future__ import annotations
 
@@ -16,6 +26,7 @@ __all__ = ["STAGES"]
 
 
 def _response(given: Input) -> Output:
+    """The transform of a wave at a position between bins, as the chain has it."""
     found = window(given["window"]).response(given["bins"], given["positions"], given["size"])
     return {"real": found.real, "imag": found.imag}
 
@@ -42,6 +53,7 @@ def _response_conditioning(given: Input, _: Output) -> Output:
 
 
 def _lobes(given: Input) -> Output:
+    """The continuous transform at offsets in bins, from its closed form."""
     return {"lobe": window(given["window"]).transform(given["offsets"])}
 
 
@@ -77,6 +89,9 @@ def _tops(level: Callable[[float], Any], zero: float) -> list[float]:
 
 
 def _figures(given: Input) -> Output:
+    """Zeros and levels of the lobe by bracketing, the highest sidelobe by a search near each top, the noise bandwidth
+    by quadrature of the squared window. Widths and the first zero are in bins, levels over that of the centre.
+    """
     from scipy.optimize import brentq, minimize_scalar
 
     taper, start = window(given["window"]), _ZERO[given["window"]]
@@ -110,6 +125,7 @@ def _figures(given: Input) -> Output:
 
 
 def _figures_by_oracle(given: Input, _: Output) -> Output:
+    """Roots and the top of the highest sidelobe by mpmath's solvers, on the closed lobe."""
     mp, mpf, name = oracle.mp, oracle.mpf, given["window"]
     gain = oracle.closed_lobe(name, mpf(0))
 
