@@ -158,10 +158,12 @@ VARIANTS: dict[str, Variant] = {v.id: v for v in (
             (Change("fast", "ring, velocity, d = ring._replace(magnitude=self.magnitude)",
                     f"ring, velocity, d = ring._replace(magnitude=self.magnitude * ({_NORM}))"),
              Change("fast", f"        d *= {_NORM}\n", ""),
+             Change("fast", "self.models.made[:] = 0",  # moments are kept from shell to shell, F is in another unit now
+                    "self.models.made[:] = 0\n        self.models.cells[:] = np.iinfo(np.int64).min"),
              Change("fast.score", "if size <= 1e-8:",
                     "if size <= 1e-4 and max(abs(values[1] - values[0]), abs(values[2] - values[0])) <= 1e-4:"),
              Change("fast.score", _CLIMB, "c[:] = simplex[0] * unit\n    steps, arrived = 0, True\n"
-                                         "    _derivatives(ring, models, c, _RADIUS, d)")), ("nsp",)),
+                                         "    _derivatives(ring, models, c, _RADIUS, _RADIUS, d)")), ("nsp",)),
     Variant("large-simplex", "D6", "Nelder-Mead started with a simplex of 0.1 c0",
             _one("nsp", "START = 2.5e-4", "START = 0.1"), methods=("nsp",)),
     Variant("newton-from-rest", "D6", "Newton's method from c = 0, no simplex",
