@@ -226,3 +226,11 @@ def test_no_other_module_writes_a_law_of_dispersion():
     assert len(written["dispersion.py"]) >= 3
     assert all(map(laws, ("w = np.sqrt(g * k)", "c = (self.gravity / wavenumber) ** 0.5", "e = k**-1.5")))
     assert not laws("r = np.sqrt(x**2 + y**2)")
+
+
+def test_of_no_method_the_spectra_are_made_all_the_same(monkeypatch):
+    """What they cost is timed so by `leakref bench`."""
+    made = []
+    monkeypatch.setattr(fast, "magnitudes", lambda *given: made.append(given) or {})
+    assert fast.realize(SEA, GRID, K, methods=()) == {}
+    assert len(made) == 1

@@ -319,7 +319,7 @@ def realize(
     plain = [record for record in records if waves > inside or record.id not in _TWINS]
     found = _plainly(components, grid, k, windows, plain, settings, water=water, half_width=half_width)
     compiled = [record for record in records if record not in plain]
-    if compiled:
+    if compiled or not records:  # of no method the spectra alone, which are timed
         outermost = float(k.max() + half_width * dk)
         radius = min(max(outermost, waves), inside) + EDGE_MARGIN * dk
         disc, rings = _rings(grid, radius, tuple(k.tolist()), water, peak_wavenumber, width, half_width)
