@@ -77,7 +77,7 @@ class _Altered(importlib.abc.MetaPathFinder, importlib.abc.Loader):
             rf"^(\s*from )leakref(?!\.(?:{'|'.join(_SHARED)})\b)([. ])", rf"\1{self.name}\2", source, flags=re.MULTILINE
         )
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", SyntaxWarning)  # what is planted need not make sense
+            warnings.simplefilter("ignore", SyntaxWarning)  # a fault may be planted as `x is 3`: that is its affair
             code = compile(own, f"<{self.name}.{part}>", "exec")
         exec(code, module.__dict__)
 

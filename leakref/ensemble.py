@@ -28,7 +28,7 @@ from leakref.dispersion import velocity_resolutions
 from leakref.methods import METHODS
 from leakref.shell import Extraction, Note
 
-__all__ = ["Ensemble", "realize"]
+__all__ = ["Ensemble", "realize", "statistics_record"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,24 +104,26 @@ class Ensemble:
 
     def record(self) -> dict[str, Any]:
         """As in the JSON of `leakref reproduce` (guide protocol, section 14)."""
-        frequency, wavenumber = self.resolutions
         flagged = {name: self.noted(note) for note in Note for name in note.names if self.noted(note).any()}
         return {
-            "case": self.configuration.id,
-            "window": self.window,
-            "method": self.method,
-            "wavenumbers": self.wavenumbers,
-            "bias": self.bias,
-            "random": self.random,
-            "mean": self.mean,
-            "standard_error": self.standard_error,
-            "resolution_frequency": frequency,
-            "resolution_wavenumber": wavenumber,
-            "realizations": len(self.velocities),
+            **statistics_record(self, len(self.velocities)),
             "count": self.count,
             "current": self.configuration.current,
             "flagged": flagged,
         }
+
+
+def statistics_record(e: Any, realizations: int) -> dict[str, Any]:
+    """What the JSON of `leakref reproduce` says of any statistics, of an Ensemble or of one that a golden set keeps."""
+    names = ("window", "method", "wavenumbers", "bias", "random", "mean", "standard_error")
+    frequency, wavenumber = e.resolutions
+    return {
+        "case": e.configuration.id,
+        **{name: getattr(e, name) for name in names},
+        "resolution_frequency": frequency,
+        "resolution_wavenumber": wavenumber,
+        "realizations": realizations,
+    }
 
 
 def _mean(values: FloatArray) -> FloatArray:

@@ -33,5 +33,5 @@ def examined(request: pytest.FixtureRequest) -> Examined:
 def modules(examined: Examined) -> Any:
     """The modules of the chain, for properties of its inside."""
     if examined.modules is None:
-        pytest.skip("of the inside of the reference")
+        pytest.skip("of the inside of the reference")  # which another implementation need not have
     return examined.modules

@@ -43,6 +43,7 @@ _COMMON: dict[str, Any] = {
     "deadline": None,
     "print_blob": True,
     "report_multiple_bugs": False,
+    # an example is a whole extraction, by a program perhaps, and one that declines a wavenumber drops the example
     "suppress_health_check": [HealthCheck.too_slow, HealthCheck.filter_too_much],
 }
 for _module in walk_packages(leakref.__path__, "leakref."):

@@ -111,7 +111,6 @@ def test_importing_leakref_loads_nothing_heavy():
     assert "numpy" in light("import leakref; leakref.Grid")  # the look-out sees what there is to see
 
 
-@pytest.mark.skipif("cli" not in MODULES, reason="no commands yet")
 @pytest.mark.parametrize("arguments", [["--help"], ["--version"]])
 def test_help_and_version_load_nothing_heavy(arguments):
     code = (

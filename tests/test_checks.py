@@ -568,3 +568,9 @@ def test_golden_cubes_whose_pixels_are_not_square_are_not_for_it():
     (finding,) = (c(InProcess(Square()), case) for c, case in select(["conformance.extract[nsp-oblong]"]))
     assert finding.verdict is Verdict.UNSUPPORTED
     assert "square pixels" in finding.message
+
+
+@pytest.mark.parametrize(("name", "words"), [("signs", "names .* findings"), ("signs.nosuch", "no check is called")])
+def test_one_check_is_run_by_the_id_of_one_finding(name, words):
+    with pytest.raises(LeakrefError, match=words):
+        run_check(name, InProcess(reference))

@@ -7,8 +7,8 @@ from leakref import LeakrefError
 from leakref.altered import Change
 from leakref.certify.checks.registry import FAMILIES
 from leakref.certify.runner import select
-from leakref.certify.strength import faults
-from leakref.certify.strength.faults import FAULTS, Fault, implementation
+from leakref.certify.strength.fault import STAGES, Fault
+from leakref.certify.strength.faults import FAULTS, implementation
 from leakref.certify.strength.study import DISTINCT, _over, fault_record
 from leakref.certify.subject.inprocess import InProcess
 from leakref.chain import reference
@@ -46,7 +46,7 @@ BRIEF = (
 def test_the_list_is_long_enough_and_every_entry_is_in_order():
     assert len(FAULTS) >= 60
     assert set(PINNED) <= set(FAULTS)
-    assert {fault.stage for fault in FAULTS.values()} == set(faults.STAGES)
+    assert {fault.stage for fault in FAULTS.values()} == set(STAGES)
     assert {fault.family for fault in FAULTS.values()} == set(FAMILIES)
     for identifier, fault in FAULTS.items():
         assert fault.id == identifier == identifier.lower()

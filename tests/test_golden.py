@@ -17,11 +17,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from test_commands import leakref as command
+from test_faults import PINNED
 
 import leakref
 from leakref import LeakrefError
 from leakref._base import Damaged
 from leakref.golden import entries, ids, making, records, same, sets, verifying
+from leakref.golden.digests import strict
 from leakref.golden.linting import lint
 from leakref.golden.sets import Entry, Golden, compare
 from leakref.golden.stages import STAGES
@@ -31,19 +33,6 @@ pytestmark = pytest.mark.stored
 SET = Path(str(sets.locate()))
 ALL = list(Golden().entries())
 HOUSE = Path(leakref.__file__).parent
-FAULTS = {
-    "negated-current",
-    "flipped-x",
-    "flipped-y",
-    "exchanged-axes",
-    "solve-sign-slip",
-    "hard-coded-width",
-    "extra-branch",
-    "missing-negative-branch",
-    "no-taper",
-    "two-thirds-energy",
-    "nan-as-number",
-}
 WITNESSED = (
     "jonswap-33",
     "doppler-turning",
@@ -79,7 +68,7 @@ def test_every_stage_has_vectors_and_every_named_fault_a_vector_that_exists_for_
     vectors = [e for e in ALL if e.file.startswith("vectors/")]
     assert len(vectors) >= 60
     assert {e.stage for e in ALL} >= set(STAGES)
-    assert {fault for e in vectors for fault in e.record["faults"]} >= FAULTS
+    assert {fault for e in vectors for fault in e.record["faults"]} >= set(PINNED)
     assert {e.record["difficulty"] for e in vectors} == {"easy", "moderate", "hard"}
 
 
@@ -309,6 +298,18 @@ def swap(folder, old, new):
     text = path.read_text(encoding="utf-8")
     assert old in text
     path.write_text(text.replace(old, new, 1), encoding="utf-8")
+
+
+@pytest.mark.parametrize("encoding", ["utf-16", "utf-32", "utf-8-sig", "latin-1"])
+def test_a_golden_file_is_utf_8_and_nothing_else(encoding):
+    with pytest.raises(Damaged, match="is not strict JSON"):
+        strict("a.json", '{"words": "é"}'.encode(encoding))
+
+
+@pytest.mark.parametrize("name", ["", "nonsense", "ensemble-nonsense/hann-nsp", "realization-L-T/L=6,T=10/0"])
+def test_an_id_that_names_no_configuration_is_refused(name):
+    with pytest.raises(LeakrefError, match="names no configuration"):
+        ids.configuration_of(name)
 
 
 # ---------------------------------------------------------------- making
@@ -778,24 +779,25 @@ def seen(module, old, new, stage):
     assert found == stage, f"{module}: {old!r} -> {new!r} was seen by {found}, not by {stage}: {failures[:2]}"
 
 
+overflowing = pytest.mark.filterwarnings("ignore::RuntimeWarning")  # what a wrong constant leads to
 every_constant = pytest.mark.parametrize(
     ("module", "where", "number", "stage"), PERCENT, ids=[f"{p[0]}-{p[1]}-{p[2]}" for p in PERCENT]
 )
 
 
-@pytest.mark.filterwarnings("ignore")  # of a wrong constant, that it overflows
+@overflowing
 @every_constant
 def test_a_constant_one_percent_larger_is_seen_where_it_acts(module, where, number, stage):
     seen(module, where, percent(where, number, 1.01), stage)
 
 
-@pytest.mark.filterwarnings("ignore")
+@overflowing
 @every_constant
 def test_a_constant_one_percent_smaller_is_seen_where_it_acts(module, where, number, stage):
     seen(module, where, percent(where, number, 0.99), stage)
 
 
-@pytest.mark.filterwarnings("ignore")
+@overflowing
 @pytest.mark.parametrize(("module", "old", "new", "stage"), REWRITTEN, ids=[f"{r[0]}-{r[1]}" for r in REWRITTEN])
 def test_a_constant_in_other_form_is_seen_where_it_acts(module, old, new, stage):
     seen(module, old, new, stage)

@@ -43,7 +43,8 @@ def test_what_is_written_is_read_again(path):
 
 
 def test_pandas_reads_it_in_full(path):
-    pandas = pytest.importorskip("pandas")
+    import pandas  # which xarray needs
+
     table = pandas.read_json(path, lines=True)
     assert table["label"].tolist() == ["v0", "v1", "v2", "v3"]
     assert table["measurements"][3][0]["errors"] == [[12, None, 7]]

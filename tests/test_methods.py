@@ -185,7 +185,7 @@ WITNESSES = {
     "dispersion.py",
     "golden/oracle.py",
     "certify/strength/variants.py",
-    "certify/strength/faults.py",
+    "certify/strength/fault.py",
     "certify/templates/python/adapter.py",
 }
 HOUSE = Path(leakref.__file__).parent

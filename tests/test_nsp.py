@@ -92,11 +92,11 @@ def test_derivatives_are_those_of_finite_differences(untapered, velocity):
     slope = oracles.differences(lambda u, v: normalized_scalar_product(shell, (u, v), width), velocity, 0.004 * v0)
     np.testing.assert_allclose(gradient, slope, rtol=0, atol=1e-8 * n / v0)
     for component in (0, 1):
-        bend = oracles.differences(
-            lambda u, v: score_derivatives(shell, (u, v), width)[1][component],  # noqa: B023
-            velocity,
-            0.004 * v0,
-        )
+
+        def slopes(u, v, component=component):
+            return score_derivatives(shell, (u, v), width)[1][component]
+
+        bend = oracles.differences(slopes, velocity, 0.004 * v0)
         np.testing.assert_allclose(hessian[component], bend, rtol=0, atol=4e-8 * n / v0**2)
     assert np.abs(gradient).max() > 1e-4 * n  # away from the optimum there is something to compare
 
@@ -112,12 +112,14 @@ def test_the_optimum_has_a_vanishing_gradient_and_a_negative_definite_hessian(re
         scale = found.score[n] / v0
         # the last step was below 1e-13 c0, the curvature is some 4 N / v0^2, and N is rounded to 1e-14
         assert np.abs(found.gradient[n]).max() < 1e-11 * found.score[n] / v0**2
-        slope = oracles.differences(lambda u, v: normalized_scalar_product(shell, (u, v), width), at, 0.004 * v0)  # noqa: B023
-        assert np.abs(slope).max() < 1e-8 * scale
+
+        def score(u, v, shell=shell):
+            return normalized_scalar_product(shell, (u, v), width)
 
         def slopes(u, v, c, shell=shell):
             return score_derivatives(shell, (u, v), width)[1][c]
 
+        assert np.abs(oracles.differences(score, at, 0.004 * v0)).max() < 1e-8 * scale
         bend = np.array([oracles.differences(partial(slopes, c=c), at, 0.004 * v0) for c in (0, 1)])
         np.testing.assert_allclose(found.hessian[n], bend, rtol=0, atol=4e-8 * scale / v0)
         curvature = np.linalg.eigvalsh((bend + bend.T) / 2)

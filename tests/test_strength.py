@@ -14,7 +14,8 @@ from leakref.certify.checks.statistics import excess, share
 from leakref.certify.runner import select
 from leakref.certify.strength import alarms, faults, study
 from leakref.certify.strength.alarms import false_alarms
-from leakref.certify.strength.faults import FAULTS, Fault
+from leakref.certify.strength.fault import Fault
+from leakref.certify.strength.faults import FAULTS
 from leakref.certify.strength.fresh import _TURNS, fresh
 from leakref.certify.strength.study import Job, classes, compute, fault_record, problems
 from leakref.certify.strength.variants import VARIANTS
@@ -53,8 +54,7 @@ def test_a_fault_that_changes_nothing_is_reported_as_surviving(monkeypatch):
 def test_a_wrong_code_among_the_variants_is_reported_as_rejected(monkeypatch):
     monkeypatch.setattr(study, "jobs", lambda *, full=False: [Job("variant", "si")])
     monkeypatch.setattr(study, "select", lambda **of: select(["signs", "recovery.pair"], **of))
-    wrong = lambda identifier: faults.implementation("flipped-x")  # noqa: E731
-    record = study.variant_record("si", make=wrong)
+    record = study.variant_record("si", make=lambda identifier: faults.implementation("flipped-x"))
     assert {name.partition(".")[0] for name in record["wrong"]} >= {"signs", "recovery"}
     monkeypatch.setattr(study, "compute", lambda job: record)
     found = study.study()

@@ -153,3 +153,23 @@ def test_a_target_that_is_none_is_wrong_use_and_one_that_offers_nothing_cannot_b
         pass
     assert words in str(refused.value)
     assert isinstance(refused.value, HarnessBroken) == broken
+
+
+@pytest.mark.parametrize(
+    ("answer", "wavenumbers", "velocities"),
+    [
+        (([None, [0.1, 0.2]], [0.8, 0.9]), True, [None, [0.1, 0.2]]),
+        (([[0.1, 0.2]], [0.8]), True, [[0.1, 0.2]]),
+        ((np.array([[0.1, 0.2], [0.3, 0.4]]), np.array([0.8, 0.9])), True, [[0.1, 0.2], [0.3, 0.4]]),
+        (((0.1, 0.2), (0.3, 0.4)), False, [[0.1, 0.2], [0.3, 0.4]]),
+        ((None, (0.3, 0.4)), False, [None, [0.3, 0.4]]),
+        ([None, [0.3, 0.4]], False, [None, [0.3, 0.4]]),
+    ],
+)
+def test_a_pair_is_told_from_velocities_alone(answer, wavenumbers, velocities):
+    given = {"dx": 1.0, "dy": 1.0, "dt": 1.0, "gravity": 1.0, "window": "box", "method": "nsp"}
+    found = inprocess.call(
+        lambda eta, spacing, k: answer, "extract", {"eta": SURFACE}, {**given, "wavenumbers": [0.8, 0.9]}
+    )
+    assert ("wavenumbers" in found) == wavenumbers
+    assert [None if row is None else list(map(float, row)) for row in found["velocities"]] == velocities

@@ -41,6 +41,7 @@ def settle(finding: Finding, target: str | None = None) -> None:
     others. A pass returns None.
     """
     if finding.verdict in (Verdict.UNSUPPORTED, Verdict.MISSING):
+        # nothing was judged, and a session in which nothing at all was judged fails (leakref.plugin.Judged)
         pytest.skip(f"{finding.verdict}: {finding.message}")
     if finding.verdict is not Verdict.PASS:
         over = "" if finding.over is None else f" ({finding.over:.3g} times the tolerance)"
@@ -147,7 +148,7 @@ def _marks(known: Known | None) -> list[pytest.MarkDecorator]:
     """The marker by which a session knows that something was judged, and a strict expected failure if it is known."""
     marks = [getattr(pytest.mark, MARK)]
     if known is not None:
-        issue = f" ({known.issue})" if known.issue else ""
+        issue = f" ({known.issue})" if known.issue else ""  # strict: one that passes fails the test
         marks.append(pytest.mark.xfail(strict=True, reason=known.reason + issue))
     return marks
 

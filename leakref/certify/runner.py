@@ -175,9 +175,11 @@ def select(patterns: Sequence[str] = (), *, profile: str = "full", golden: int =
 def run_check(identifier: str, subject: Subject) -> Finding:
     """One check on one case by the id of its finding.
 
-    Raises LeakrefError for an id that is none, and ValueError for a pattern that matches several.
+    Raises LeakrefError for what is not the id of one finding.
     """
-    ((c, case),) = select([identifier])
+    (c, case), *others = select([identifier])
+    if others:
+        raise LeakrefError("run_check", f"{identifier!r} names {1 + len(others)} findings", "give the id of one")
     return c(subject, case)
 
 

@@ -31,7 +31,7 @@ def load(target: str) -> Any:
     module lacks, and an unknown fault or variant.
     """
     if target == "reference":
-        from leakref.certify.strength.faults import Named
+        from leakref.certify.subject.named import Named
         from leakref.chain import reference
 
         return Named(reference, "leakref")  # with null where it has no number

@@ -7,7 +7,7 @@ R resolution, U currents, G general.
 
 from __future__ import annotations
 
-from leakref.claims import currents, directions, general, methods, peakedness, resolution, windows  # noqa: F401
+from leakref.claims import currents, directions, general, methods, peakedness, resolution, windows  # noqa: F401  which register them
 from leakref.claims.configurations import EXTRA
 from leakref.claims.evidence import Evidence
 from leakref.claims.registry import CLAIMS as _CLAIMS

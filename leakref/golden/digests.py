@@ -35,7 +35,7 @@ def strict(name: str, content: bytes) -> Any:
 
     """
     try:
-        return json.loads(content, parse_constant=_no_constant, object_pairs_hook=_no_twins)
+        return json.loads(content.decode("utf-8"), parse_constant=_no_constant, object_pairs_hook=_no_twins)
     except (ValueError, RecursionError) as error:
         raise Damaged("golden", f"{name} is not strict JSON ({error})", PUT_BACK) from None
 

@@ -6,6 +6,7 @@ An id is never given to another value: where a definition has to change, a new i
 
 from __future__ import annotations
 
+from leakref._base import LeakrefError
 from leakref.cases import CASES, Configuration
 from leakref.golden.vectors import VECTORS
 from leakref.methods import METHODS
@@ -58,7 +59,11 @@ def ids(*parts: str) -> dict[str, str]:
 def configuration_of(identifier: str) -> Configuration:
     """The configuration that the id of a realisation or an ensemble names.
 
-    Raises StopIteration for an id that names none: ids come from `ids` or from a set that has been linted.
+    Raises LeakrefError for an id that names none.
     """
-    name = identifier.split("-", 1)[1].rsplit("/", 1)[0]
-    return next(c for members in CASES.values() for c in members if c.id == name)
+    name = identifier.partition("-")[2].rpartition("/")[0]
+    for members in CASES.values():
+        for c in members:
+            if c.id == name:
+                return c
+    raise LeakrefError("golden", f"{identifier!r} names no configuration of the paper", "ids are in the manifest")

@@ -15,6 +15,7 @@ from leakref._base import FloatArray
 from leakref._output import console, dump, envelope, folder
 from leakref.cases import CASES, REALIZATIONS, Configuration
 from leakref.dispersion import velocity_resolutions
+from leakref.ensemble import statistics_record
 from leakref.figures import Result, result_figure, save
 from leakref.golden.sets import Golden
 
@@ -55,20 +56,7 @@ class Stored:
 
     def record(self) -> dict[str, Any]:
         """As an Ensemble's, in the JSON of `leakref reproduce` (guide protocol, section 14)."""
-        frequency, wavenumber = self.resolutions
-        return {
-            "case": self.configuration.id,
-            "window": self.window,
-            "method": self.method,
-            "wavenumbers": self.wavenumbers,
-            "bias": self.bias,
-            "random": self.random,
-            "mean": self.mean,
-            "standard_error": self.standard_error,
-            "resolution_frequency": frequency,
-            "resolution_wavenumber": wavenumber,
-            "realizations": REALIZATIONS,
-        }
+        return statistics_record(self, REALIZATIONS)
 
 
 def stored(golden: Golden | None = None) -> Iterator[Stored]:

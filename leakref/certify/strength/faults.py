@@ -12,189 +12,100 @@ wrong one. Such faults are killed by `conformance` alone.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
-from leakref._base import FloatArray, LeakrefError
+from leakref._base import LeakrefError
 from leakref.altered import Change, altered
-from leakref.chain import Reference
+from leakref.certify.strength.fault import (
+    CENTRES,
+    FOURIER,
+    INTRINSIC,
+    POLISH,
+    SI,
+    TAPER_SPACE,
+    UNPOLISHED,
+    WAVES,
+    Drifting,
+    Fault,
+    Remembering,
+    answer,
+    asked,
+    unchecked,
+)
+from leakref.certify.subject.named import Named
 
-__all__ = ["FAULTS", "STAGES", "Fault", "Named", "implementation"]
-
-STAGES = ("frame", "units", "synthesis", "window", "spectrum", "shell", "nsp", "ls", "behaviour")
-"""Where in the chain a fault sits, in the order in which the faults are listed."""
-
-
-@dataclass(frozen=True)
-class Fault:
-    """`words` say what is wrong, as a diagnosis would; `family` is the one whose checks are meant to kill it.
-
-    Either `changes` to the chain, or an `instead` of the reference. `sound`: a code like this is another algorithm,
-    and only conformance tells. `killing_input` is a finding on which the effect is at least ten times the tolerance.
-    """
-
-    id: str
-    stage: str
-    family: str
-    words: str
-    changes: tuple[Change, ...] = ()
-    instead: type[Reference] | None = None
-    killing_input: str = ""
-
-    @property
-    def sound(self) -> bool:
-        """Whether it is killed by conformance alone."""
-        return self.family == "conformance"
-
-
-class Named:
-    """An implementation under another name, its stages those of `inner`; with `null` instead of a row of NaN."""
-
-    def __init__(self, inner: Any, name: str, *, null: bool = True, **declared: object) -> None:
-        self._inner, self._null, self._said = inner, null, {"name": name, **declared}
-
-    def describe(self) -> Mapping[str, object]:
-        """What the code declares of itself (guide protocol, section 3)."""
-        return {**self._inner.describe(), **self._said}
-
-    def extract(self, *cube: Any, **settings: Any) -> Any:
-        """Velocities, (n, 2), masked where there is none."""
-        found = self._inner.extract(*cube, **settings)
-        return np.ma.masked_where(np.isnan(found), found) if self._null and isinstance(found, np.ndarray) else found
-
-    def __getattr__(self, stage: str) -> Any:
-        if stage.startswith("_"):
-            raise AttributeError(stage)
-        return getattr(self._inner, stage)
-
-
-class _Drifting(Reference):
-    """Adds noise: no two calls agree."""
-
-    def __init__(self) -> None:
-        self.noise = np.random.default_rng(1)
-
-    def extract(self, *cube: Any, gravity: float = 1.0, window: str = "hann", method: str = "nsp") -> FloatArray:
-        found = super().extract(*cube, gravity=gravity, window=window, method=method)
-        return found + 1e-2 * float(np.sqrt(gravity)) * self.noise.standard_normal(found.shape)
-
-
-class _Remembering(Reference):
-    """Keeps a running mean of the cubes of one shape: an answer depends on what was asked before."""
-
-    def __init__(self) -> None:
-        self.last: dict[tuple[int, ...], FloatArray] = {}
-
-    def extract(self, surface: FloatArray, *rest: Any, gravity: float = 1.0, window: str = "hann",
-                method: str = "nsp") -> FloatArray:
-        eta = np.array(surface)
-        mean = (eta + self.last.get(eta.shape, eta)) / 2
-        self.last[eta.shape] = eta
-        return super().extract(mean, *rest, gravity=gravity, window=window, method=method)
-
-
-_CALL = "return extract(surface, spacing, wavenumbers, gravity=gravity, window=window, method=method).velocities"
-_FOURIER = "values = fft.fft2(values, axes=(0, 1), workers=threads, overwrite_x=True)"
-_TAPER_SPACE = "tapered *= (wx[:, None] * wy)[:, :, None]"
-_INTRINSIC = "water.frequency(k[a, b])"
-_CENTRES = "return shell.intrinsic + shift, -shell.intrinsic + shift"
-_POLISH = "velocity, steps, arrived = _ascend(shell, fit.x * unit, width, unit)"
-_UNPOLISHED = Change("nsp", _POLISH, "velocity, steps, arrived = fit.x * unit, 0, True")
-_SI = Change("chain", '"units": "scaled"', '"units": "si"')
-_WAVES = "waves = components.amplitude * np.exp(1j * components.phase)"
-_REFUSAL = 'eta = finite("{}", "surface", surface, 3)'
-
-
-def _answer(new: str) -> Change:
-    """Another last line of `Reference.extract`; FOUND stands for what it would have been."""
-    return Change("chain", _CALL, f"return {new.replace('FOUND', _CALL.removeprefix('return '))}")
-
-
-def _asked(old: str, new: str) -> Change:
-    """`Reference.extract` handing on something else in place of an argument."""
-    return Change("chain", _CALL, _CALL.replace(f"{old},", f"{new},", 1))
-
-
-def _unchecked(new: str) -> tuple[Change, Change]:
-    """The surface taken as it comes by `extract` and `fourier`, instead of refused if it is not finite."""
-    return (Change("chain", _REFUSAL.format("extract"), f"eta = {new}"),
-            Change("spectrum", _REFUSAL.format("fourier"), f"eta = {new}"))
-
+__all__ = ["FAULTS", "implementation"]
 
 _FRAME = (
-    Fault("negated-current", "frame", "signs", "the current is returned as its negative", (_answer("-FOUND"),)),
-    Fault("flipped-x", "frame", "signs", "the x component has the wrong sign", (_answer("FOUND * [-1, 1]"),)),
-    Fault("flipped-y", "frame", "signs", "the y component has the wrong sign", (_answer("FOUND * [1, -1]"),)),
-    Fault("exchanged-axes", "frame", "signs", "x and y exchanged", (_answer("FOUND[:, ::-1]"),)),
+    Fault("negated-current", "frame", "signs", "the current is returned as its negative", (answer("-FOUND"),)),
+    Fault("flipped-x", "frame", "signs", "the x component has the wrong sign", (answer("FOUND * [-1, 1]"),)),
+    Fault("flipped-y", "frame", "signs", "the y component has the wrong sign", (answer("FOUND * [1, -1]"),)),
+    Fault("exchanged-axes", "frame", "signs", "x and y exchanged", (answer("FOUND[:, ::-1]"),)),
     Fault("quarter-turn", "frame", "signs", "the current is turned by a quarter turn",
-          (_answer("FOUND[:, ::-1] * [-1, 1]"),)),
+          (answer("FOUND[:, ::-1] * [-1, 1]"),)),
     Fault("rows-downwards", "frame", "signs", "the rows of the cube are counted downwards",
-          (_asked("surface", "np.asarray(surface)[:, ::-1]"),)),
+          (asked("surface", "np.asarray(surface)[:, ::-1]"),)),
     Fault("reversed-time", "frame", "signs", "the frames are read in reverse order",
-          (_asked("surface", "np.asarray(surface)[:, :, ::-1]"),)),
+          (asked("surface", "np.asarray(surface)[:, :, ::-1]"),)),
     Fault("exchanged-cube", "frame", "signs", "the cube is read with x and y exchanged, its spacings are not",
-          (_asked("surface", "np.swapaxes(surface, 0, 1)"),)),
+          (asked("surface", "np.swapaxes(surface, 0, 1)"),)),
     Fault("absolute-value", "frame", "signs", "the components are returned without their signs",
-          (_answer("np.abs(FOUND)"),)),
-    Fault("no-cross-component", "frame", "signs", "the y component is always zero", (_answer("FOUND * [1, 0]"),)),
+          (answer("np.abs(FOUND)"),)),
+    Fault("no-cross-component", "frame", "signs", "the y component is always zero", (answer("FOUND * [1, 0]"),)),
     Fault("exchanged-spacing", "frame", "recovery", "dx and dy exchanged",
-          (_asked("spacing", "(spacing[1], spacing[0], spacing[2])"),)),
+          (asked("spacing", "(spacing[1], spacing[0], spacing[2])"),)),
     Fault("square-pixels", "frame", "recovery", "dx is used for dy as well",
-          (_asked("spacing", "(spacing[0], spacing[0], spacing[2])"),)),
+          (asked("spacing", "(spacing[0], spacing[0], spacing[2])"),)),
 )
-
 _UNITS = (
     Fault("hertz-for-radians", "units", "recovery", "frequencies are in Hz where rad/s are meant",
           (Change("spectrum", "self.grid.bins(2) * self.grid.frequency_resolution",
                   "self.grid.bins(2) * self.grid.frequency_resolution / (2 * np.pi)"),)),
     Fault("cycles-for-radians", "units", "recovery", "the wavenumbers asked for are divided by 2 pi",
-          (_asked("wavenumbers", "np.asarray(wavenumbers) / (2 * np.pi)"),)),
+          (asked("wavenumbers", "np.asarray(wavenumbers) / (2 * np.pi)"),)),
     Fault("degrees-for-radians", "units", "signs", "the direction of the current is put into cos and sin in degrees",
-          (_answer("(lambda v: np.hypot(*v.T)[:, None] * np.stack([f(np.degrees(np.arctan2(v[:, 1], v[:, 0]))) "
+          (answer("(lambda v: np.hypot(*v.T)[:, None] * np.stack([f(np.degrees(np.arctan2(v[:, 1], v[:, 0]))) "
                    "for f in (np.cos, np.sin)], axis=1))(FOUND)"),)),
     Fault("gravity-dropped", "units", "recovery", "gravity is taken as 1 in metres and seconds",
-          (_SI, Change("shell", _INTRINSIC, "DEEP.frequency(k[a, b])"))),
+          (SI, Change("shell", INTRINSIC, "DEEP.frequency(k[a, b])"))),
     Fault("gravity-hard-coded", "units", "recovery", "gravity is 10 whatever is asked for",
-          (_SI, Change("shell", _INTRINSIC, "Water(10.0).frequency(k[a, b])"))),
+          (SI, Change("shell", INTRINSIC, "Water(10.0).frequency(k[a, b])"))),
     Fault("knots", "units", "recovery", "the current is returned in knots",
-          (_SI, _answer("FOUND * 1.943844"))),
+          (SI, answer("FOUND * 1.943844"))),
     Fault("pixels-per-frame", "units", "recovery", "the current is returned in pixels per frame",
-          (_answer("FOUND * spacing[2] / np.asarray(spacing[:2])"),)),
+          (answer("FOUND * spacing[2] / np.asarray(spacing[:2])"),)),
     Fault("frame-rate", "units", "recovery", "the frame rate is used for the time step",
-          (_asked("spacing", "(spacing[0], spacing[1], 1 / spacing[2])"),)),
+          (asked("spacing", "(spacing[0], spacing[1], 1 / spacing[2])"),)),
     Fault("unit-time-step", "units", "recovery", "the time step is taken as 1",
-          (_asked("spacing", "(spacing[0], spacing[1], 1.0)"),)),
+          (asked("spacing", "(spacing[0], spacing[1], 1.0)"),)),
     Fault("doppler-frequency", "units", "recovery", "the velocity is multiplied by its wavenumber",
-          (_answer("FOUND * np.asarray(wavenumbers)[:, None]"),)),
+          (answer("FOUND * np.asarray(wavenumbers)[:, None]"),)),
     Fault("one-interval-short", "units", "recovery", "lengths and the duration are (n - 1) d",
           (Change("grid", "return nx * dx, ny * dy, nt * dt", "return (nx - 1) * dx, (ny - 1) * dy, (nt - 1) * dt"),)),
     Fault("duration-short", "units", "recovery", "the duration is (n - 1) dt",
           (Change("grid", "return nx * dx, ny * dy, nt * dt", "return nx * dx, ny * dy, (nt - 1) * dt"),)),
 )
-
 _SYNTHESIS = (
     Fault("two-thirds-energy", "synthesis", "synthesis", "the surface holds 2/3 of the energy asked for",
-          (Change("synthesis", _WAVES, _WAVES.replace("amplitude *", "amplitude * np.sqrt(2 / 3) *")),)),
+          (Change("synthesis", WAVES, WAVES.replace("amplitude *", "amplitude * np.sqrt(2 / 3) *")),)),
     Fault("random-amplitudes", "synthesis", "synthesis", "amplitudes are multiplied by random numbers",
-          (Change("synthesis", _WAVES, _WAVES.replace("amplitude *", "amplitude * np.sqrt(3) * "
+          (Change("synthesis", WAVES, WAVES.replace("amplitude *", "amplitude * np.sqrt(3) * "
                                                       "np.random.default_rng(1).random(components.kx.size) *")),)),
     Fault("amplitude-squared", "synthesis", "synthesis", "amplitudes are squared",
-          (Change("synthesis", _WAVES, _WAVES.replace("amplitude *", "amplitude**2 *")),)),
+          (Change("synthesis", WAVES, WAVES.replace("amplitude *", "amplitude**2 *")),)),
     Fault("half-amplitude", "synthesis", "synthesis", "the surface is half as high, as one exponential of the cosine",
-          (Change("synthesis", _WAVES, _WAVES.replace("amplitude *", "amplitude / 2 *")),)),
+          (Change("synthesis", WAVES, WAVES.replace("amplitude *", "amplitude / 2 *")),)),
     Fault("double-energy", "synthesis", "synthesis", "the surface holds twice the energy asked for",
-          (Change("synthesis", _WAVES, _WAVES.replace("amplitude *", "amplitude * np.sqrt(2) *")),)),
+          (Change("synthesis", WAVES, WAVES.replace("amplitude *", "amplitude * np.sqrt(2) *")),)),
     Fault("phase-sign", "synthesis", "synthesis", "phases have the wrong sign",
-          (Change("synthesis", _WAVES, _WAVES.replace("1j", "-1j")),)),
+          (Change("synthesis", WAVES, WAVES.replace("1j", "-1j")),)),
     Fault("phase-in-degrees", "synthesis", "synthesis", "phases are taken for degrees",
-          (Change("synthesis", _WAVES, _WAVES.replace("1j *", "1j * np.pi / 180 *")),)),
+          (Change("synthesis", WAVES, WAVES.replace("1j *", "1j * np.pi / 180 *")),)),
     Fault("no-phases", "synthesis", "synthesis", "all phases are zero",
-          (Change("synthesis", _WAVES, _WAVES.replace("1j", "0j")),)),
+          (Change("synthesis", WAVES, WAVES.replace("1j", "0j")),)),
     Fault("sine-for-cosine", "synthesis", "synthesis", "waves are sines instead of cosines",
-          (Change("synthesis", _WAVES, _WAVES.replace("components.phase", "(components.phase - np.pi / 2)")),)),
+          (Change("synthesis", WAVES, WAVES.replace("components.phase", "(components.phase - np.pi / 2)")),)),
     Fault("omega-sign", "synthesis", "synthesis", "waves run backwards: the sign of omega t is wrong",
           (Change("synthesis", "np.exp(-1j * np.outer(components.omega, times))",
                   "np.exp(1j * np.outer(components.omega, times))"),)),
@@ -213,16 +124,15 @@ _SYNTHESIS = (
                   "(components.ky, None, components.kx, None)"),
            Change("synthesis", "lattice = components.separated()", "lattice = None"))),
 )
-
 _WINDOW = (
     Fault("no-taper", "window", "leakage", "no window is applied",
           (Change("spectrum", "named_window(window).samples", 'named_window("box").samples'),)),
     Fault("taper-in-time-only", "window", "leakage", "the window is applied in time only",
-          (Change("spectrum", _TAPER_SPACE, "tapered *= 1"),)),
+          (Change("spectrum", TAPER_SPACE, "tapered *= 1"),)),
     Fault("taper-in-space-only", "window", "leakage", "the window is applied in space only",
           (Change("spectrum", "tapered = eta * wt", "tapered = eta * 1"),)),
     Fault("taper-not-along-y", "window", "leakage", "the window is not applied along y",
-          (Change("spectrum", _TAPER_SPACE, "tapered *= wx[:, None, None]"),)),
+          (Change("spectrum", TAPER_SPACE, "tapered *= wx[:, None, None]"),)),
     Fault("taper-inside-out", "window", "leakage", "the window is largest at the edges: its cosine has the wrong sign",
           (Change("window", "(-1) ** j * a * np.cos(2 * np.pi * j * s)", "a * np.cos(2 * np.pi * j * s)"),)),
     Fault("taper-half-period", "window", "leakage", "the window rises over the whole length and breaks off",
@@ -230,7 +140,7 @@ _WINDOW = (
     Fault("always-hann", "window", "recovery", "the Hann window is applied whatever window is asked for",
           (Change("spectrum", "named_window(window).samples", 'named_window("hann").samples'),)),
     Fault("taper-twice", "window", "conformance", "the window is applied twice",
-          (Change("spectrum", _TAPER_SPACE, "tapered *= (wx[:, None] * wy)[:, :, None] ** 2 * wt"),)),
+          (Change("spectrum", TAPER_SPACE, "tapered *= (wx[:, None] * wy)[:, :, None] ** 2 * wt"),)),
     Fault("symmetric-taper", "window", "conformance", "the window is sampled symmetrically, over n - 1 (D1)",
           (Change("window", "(size - 1 if symmetric else size)", "(size - 1)"),)),
     Fault("hamming-for-hann", "window", "conformance", "the Hamming window stands in place of Hann's",
@@ -240,13 +150,12 @@ _WINDOW = (
     Fault("kaiser-without-pi", "window", "conformance", "the shape of the Kaiser-Bessel window lacks the factor pi",
           (Change("window", "float(np.pi * np.sqrt(3))", "float(np.sqrt(3))"),)),
 )
-
 _SPECTRUM = (
     Fault("time-transform-reversed", "spectrum", "signs",
           "the transform in time is a forward one: a wave appears at (-k, +omega)",
           (Change("spectrum", "np.conj(values, out=values)", "pass"),)),
     Fault("x-transform-reversed", "spectrum", "signs", "the transform along x is an inverse one",
-          (Change("spectrum", _FOURIER, "values = fft.fft(fft.ifft(values, axis=0), axis=1)"),)),
+          (Change("spectrum", FOURIER, "values = fft.fft(fft.ifft(values, axis=0), axis=1)"),)),
     Fault("shift-missing", "spectrum", "recovery", "fftshift is missing: bins carry the wrong wavenumbers",
           (Change("grid", "(np.arange(n) + n // 2) % n - n // 2", "np.arange(n) - n // 2"),)),
     Fault("frequencies-off-by-one", "spectrum", "recovery", "frequencies are one bin too high",
@@ -271,10 +180,9 @@ _SPECTRUM = (
           "the half omega < 0 of the spectrum is not the mirror image of the other",
           (Change("spectrum", "np.conj(self.values[np.ix_(-self.i, -self.j)])", "np.conj(self.values)"),)),
 )
-
 _SHELL = (
     Fault("frequency-at-centre", "shell", "recovery", "omega0 is taken at the shell's wavenumber, not at each bin's",
-          (Change("shell", _INTRINSIC, "water.frequency(np.full(a.size, wavenumber))"),)),
+          (Change("shell", INTRINSIC, "water.frequency(np.full(a.size, wavenumber))"),)),
     Fault("root-missing", "shell", "recovery", "omega0 is g k: the square root is missing",
           (Change("dispersion", "return np.sqrt(self.gravity * np.asarray(wavenumber, dtype=np.float64))",
                   "return self.gravity * np.asarray(wavenumber, dtype=np.float64)"),)),
@@ -311,33 +219,32 @@ _SHELL = (
     Fault("unweighted-half", "shell", "currents", "omega = 0 and the Nyquist plane count twice (D5)",
           (Change("spectrum", "np.where((m == 0) | (2 * m == self.grid.shape[2]), 0.5, 1.0)", "np.ones(m.size)"),)),
 )
-
 _NSP = (
     Fault("missing-negative-branch", "nsp", "currents", "G lacks the branch of negative frequencies",
-          (Change("nsp", _CENTRES, "return shell.intrinsic + shift, np.full_like(shift, -1e6)"),)),
+          (Change("nsp", CENTRES, "return shell.intrinsic + shift, np.full_like(shift, -1e6)"),)),
     Fault("printed-branch", "nsp", "currents", "the negative branch of G is at -omega0 - k.c, as printed (D2)",
-          (Change("nsp", _CENTRES, "return shell.intrinsic + shift, -shell.intrinsic - shift"), _UNPOLISHED)),
+          (Change("nsp", CENTRES, "return shell.intrinsic + shift, -shell.intrinsic - shift"), UNPOLISHED)),
     Fault("extra-branch", "nsp", "signs", "G has extra branches, at omega0 - k.c and its mirror image",
-          (Change("nsp", _CENTRES, "return (shell.intrinsic + shift, -shell.intrinsic + shift, "
+          (Change("nsp", CENTRES, "return (shell.intrinsic + shift, -shell.intrinsic + shift, "
                   "shell.intrinsic - shift, -shell.intrinsic - shift)"),
-           Change("nsp", "positive_branch, negative_branch = (", "return sum("), _UNPOLISHED)),
+           Change("nsp", "positive_branch, negative_branch = (", "return sum("), UNPOLISHED)),
     Fault("only-negative-branch", "nsp", "recovery", "G lacks the branch of positive frequencies",
-          (Change("nsp", _CENTRES, "return np.full_like(shift, -1e6), -shell.intrinsic + shift"),)),
+          (Change("nsp", CENTRES, "return np.full_like(shift, -1e6), -shell.intrinsic + shift"),)),
     Fault("current-sign-in-branch", "nsp", "signs", "the Doppler shift in G has the wrong sign",
-          (Change("nsp", "shift = shell.kx * u + shell.ky * v", "shift = -shell.kx * u - shell.ky * v"), _UNPOLISHED)),
+          (Change("nsp", "shift = shell.kx * u + shell.ky * v", "shift = -shell.kx * u - shell.ky * v"), UNPOLISHED)),
     Fault("hard-coded-width", "nsp", "scale", "the width a of G is a fixed number instead of 4 domega",
           (Change("nsp", "a, water = width * spectrum.grid.frequency_resolution,", "a, water = 0.4,"),)),
     Fault("frequency-cut", "nsp", "scale", "frequencies above 3 are left out whatever the units (D4)",
           (Change("shell", "spectrum.omega, weight", "spectrum.omega, weight * (spectrum.omega <= 3)"),)),
     Fault("least-overlap", "nsp", "recovery", "the least overlap is looked for instead of the largest",
-          (Change("nsp", "lambda c: -normalized_scalar_product", "lambda c: normalized_scalar_product"), _UNPOLISHED)),
+          (Change("nsp", "lambda c: -normalized_scalar_product", "lambda c: normalized_scalar_product"), UNPOLISHED)),
     Fault("stops-at-start", "nsp", "recovery", "the search stops where it starts",
-          (Change("nsp", '"xatol": 1e-8', '"xatol": 1e-2'), _UNPOLISHED)),
+          (Change("nsp", '"xatol": 1e-8', '"xatol": 1e-2'), UNPOLISHED)),
     Fault("far-start", "nsp", "recovery", "the search starts far off, at 2 c0 along x",
           (Change("nsp", "simplex = np.array([[0.0, 0.0], [START, 0.0], [0.0, START]])",
                   "simplex = np.array([[2.0, 0.0], [2 + START, 0.0], [2.0, START]])"),)),
     Fault("narrow-bounds", "nsp", "currents", "currents faster than 0.1 c0 are cut off",
-          (Change("nsp", _POLISH, _POLISH + "\n    velocity = np.clip(velocity, -0.1 * unit, 0.1 * unit)"),)),
+          (Change("nsp", POLISH, POLISH + "\n    velocity = np.clip(velocity, -0.1 * unit, 0.1 * unit)"),)),
     Fault("narrow-width", "nsp", "conformance", "the width a of G is half as large, 2 domega",
           (Change("nsp", "WIDTH = 4.0", "WIDTH = 2.0"),)),
     Fault("wide-width", "nsp", "currents", "the width a of G is twice as large, 8 domega",
@@ -346,12 +253,11 @@ _NSP = (
           (Change("nsp", "    if shell.is_empty:", "    from dataclasses import replace\n"
                   "    shell = replace(shell, magnitude=shell.magnitude**2)\n    if shell.is_empty:"),)),
     Fault("smoothed", "nsp", "recovery", "each velocity is the mean of its own and its neighbours'",
-          (_answer("(lambda v: sum(v.take(np.arange(n, n + len(v)), axis=0, mode='clip') for n in (-1, 0, 1)) / 3)"
+          (answer("(lambda v: sum(v.take(np.arange(n, n + len(v)), axis=0, mode='clip') for n in (-1, 0, 1)) / 3)"
                    "(FOUND)"),)),
     Fault("mean-over-band", "nsp", "shear", "every wavenumber is given the mean over the band",
-          (_answer("np.broadcast_to(np.nanmean(FOUND, axis=0), (np.size(wavenumbers), 2))"),)),
+          (answer("np.broadcast_to(np.nanmean(FOUND, axis=0), (np.size(wavenumbers), 2))"),)),
 )
-
 _LS = (
     Fault("solve-sign-slip", "ls", "signs", "one component of the 2x2 solve has the wrong sign",
           (Change("leastsquares", "np.linalg.solve(normal, k @ shift)",
@@ -382,28 +288,26 @@ _LS = (
     Fault("method-ignored", "ls", "conformance", "the scalar product is used where least squares is asked for",
           (Change("methods", "leastsquares.extract, {", "nsp.extract, {"),)),
 )
-
 _BEHAVIOUR = (
     Fault("nan-as-number", "behaviour", "behaviour", "a surface that holds NaN is not refused and gives NaN velocities",
-          _unchecked("np.asarray(surface)")),
+          unchecked("np.asarray(surface)")),
     Fault("nan-replaced", "behaviour", "behaviour", "NaN in the surface is silently replaced by zero",
-          _unchecked("np.nan_to_num(surface)")),
+          unchecked("np.nan_to_num(surface)")),
     Fault("input-altered", "behaviour", "behaviour", "the window is applied to the caller's own array",
           (Change("spectrum", "tapered = eta * wt", "tapered = np.multiply(eta, wt, out=eta)"),)),
-    Fault("random-output", "behaviour", "behaviour", "no two calls give the same answer", instead=_Drifting),
-    Fault("state-kept", "behaviour", "behaviour", "the cube of the call before is mixed in", instead=_Remembering),
+    Fault("random-output", "behaviour", "behaviour", "no two calls give the same answer", instead=Drifting),
+    Fault("state-kept", "behaviour", "behaviour", "the cube of the call before is mixed in", instead=Remembering),
     Fault("sorted-wavenumbers", "behaviour", "behaviour", "the answer is in ascending order of wavenumber",
-          (_asked("wavenumbers", "np.sort(wavenumbers)"),)),
+          (asked("wavenumbers", "np.sort(wavenumbers)"),)),
     Fault("reversed-wavenumbers", "behaviour", "shear", "the answer is in the reverse order of wavenumbers",
-          (_answer("FOUND[::-1]"),)),
+          (answer("FOUND[::-1]"),)),
     Fault("first-wavenumber-dropped", "behaviour", "behaviour", "the first wavenumber is left out of the answer",
-          (_answer("FOUND[1:]"),)),
+          (answer("FOUND[1:]"),)),
     Fault("first-wavenumber-for-all", "behaviour", "shear", "every wavenumber is given the first one's velocity",
-          (_answer("np.broadcast_to(FOUND[:1], (np.size(wavenumbers), 2))"),)),
+          (answer("np.broadcast_to(FOUND[:1], (np.size(wavenumbers), 2))"),)),
     Fault("rounded-answer", "behaviour", "recovery", "velocities are rounded to one decimal",
-          (_answer("np.round(FOUND, 1)"),)),
+          (answer("np.round(FOUND, 1)"),)),
 )
-
 _KILLING_INPUTS = {
     "recovery.pair[even-1]":
         "negated-current flipped-x flipped-y exchanged-axes quarter-turn rows-downwards reversed-time exchanged-cube "
@@ -453,7 +357,6 @@ _KILLING_INPUTS = {
 }
 """Findings, and the faults that each is the killing input of."""
 _KILLING_BY = {name: finding for finding, names in _KILLING_INPUTS.items() for name in names.split()}
-
 FAULTS: dict[str, Fault] = {fault.id: replace(fault, killing_input=_KILLING_BY.get(fault.id, "")) for fault in (
     *_FRAME, *_UNITS, *_SYNTHESIS, *_WINDOW, *_SPECTRUM, *_SHELL, *_NSP, *_LS, *_BEHAVIOUR)}
 """Every fault by id, stage by stage."""

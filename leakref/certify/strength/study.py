@@ -24,7 +24,8 @@ from leakref.certify.checks.registry import FAMILIES, Case, Check
 from leakref.certify.runner import select
 from leakref.certify.strength import faults, variants
 from leakref.certify.strength.alarms import errors_of, false_alarms, seas
-from leakref.certify.strength.faults import FAULTS, Fault
+from leakref.certify.strength.fault import Fault
+from leakref.certify.strength.faults import FAULTS
 from leakref.certify.strength.fresh import fresh
 from leakref.certify.strength.variants import VARIANTS
 from leakref.certify.subject.inprocess import InProcess

@@ -19,7 +19,7 @@ from scipy.optimize import minimize
 from leakref._base import FloatArray, LeakrefError
 from leakref._caches import njit
 from leakref.altered import Change, altered
-from leakref.certify.strength.faults import Named
+from leakref.certify.subject.named import Named
 from leakref.chain import Reference, reference
 from leakref.sea import Components
 from leakref.shell import Note
@@ -228,10 +228,7 @@ class _Own:
         method: str,
     ) -> FloatArray:
         """Velocities, (n, 2)."""
-        if not np.isfinite(surface).all():
-            raise ValueError("the surface is not finite")
-        space = self._space(np.asarray(surface, dtype=self.real), spacing, window)
-        dk = max(2 * np.pi / (n * d) for n, d in zip(surface.shape[:2], spacing, strict=False))
+        space, dk = self._space(surface, spacing, window)
         domega = 2 * np.pi / (surface.shape[2] * spacing[2])
         way = self._least_squares if method == "ls" else self._overlap
         return np.array(
@@ -239,8 +236,14 @@ class _Own:
             dtype=np.float64,
         )
 
-    def _space(self, eta: FloatArray, spacing: Sequence[float], window: str) -> Bins:
-        """A forward transform along all axes puts a wave at (k, -omega): so omega is minus its frequency."""
+    def _space(self, surface: FloatArray, spacing: Sequence[float], window: str) -> tuple[Bins, float]:
+        """All bins, and dk. A forward transform along all axes puts a wave at (k, -omega): so omega is minus its
+        frequency.
+        """
+        if not np.isfinite(surface).all():
+            raise ValueError("the surface is not finite")
+        eta = np.asarray(surface, dtype=self.real)
+        dk = max(2 * np.pi / (n * d) for n, d in zip(surface.shape[:2], spacing, strict=False))
         if window == "hann" and self.tapers:
             for axis, n in enumerate(eta.shape):
                 taper = np.sin(np.pi * np.arange(n) / n).astype(self.real) ** 2
@@ -254,7 +257,7 @@ class _Own:
             f, omega = f[:, :, keep], omega[keep]
         kx, ky = np.meshgrid(kx, ky, indexing="ij")
         x, y, w, v, f = (a.astype(self.real) for a in (kx, ky, -omega, weight, f))
-        return x, y, np.hypot(x, y), w, f, v
+        return (x, y, np.hypot(x, y), w, f, v), dk
 
     def _overlap(self, shell: Bins, gravity: float, a: float, unit: float) -> FloatArray:
         """N of eq:normSp, G having both branches (D2), over the whole space or one half; the factor by which it is
@@ -337,10 +340,7 @@ class _Band(_Own):
         method: str,
     ) -> FloatArray:
         """The current, (1, 2): the bins are weighted by their power, and those off the surface left out in turn."""
-        if not np.isfinite(surface).all():
-            raise ValueError("the surface is not finite")
-        x, y, k, omega, f, _ = self._space(np.asarray(surface), spacing, window)
-        dk = max(2 * np.pi / (n * d) for n, d in zip(surface.shape[:2], spacing, strict=False))
+        (x, y, k, omega, f, _), dk = self._space(surface, spacing, window)
         inside = (k >= min(wavenumbers) - 2 * dk) & (k <= max(wavenumbers) + 2 * dk)
         power = np.where(inside[:, :, None] & (omega > 0), f, 0) ** 2
         i, j, m = np.nonzero(power >= 0.05 * power.max())

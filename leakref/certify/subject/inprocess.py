@@ -175,6 +175,11 @@ def call(
         answer = function(arrays["eta"], spacing, **keywords)
     if isinstance(answer, Mapping):
         return dict(answer)
-    if isinstance(answer, tuple) and len(answer) == 2 and np.ndim(answer[0]) == 2:
+    if isinstance(answer, tuple) and len(answer) == 2 and _has_rows(answer[0]):
         return {"velocities": answer[0], "wavenumbers": answer[1]}
     return {"velocities": answer}
+
+
+def _has_rows(values: Any) -> bool:
+    """Whether these are rows of two, or None in place of a row, as the first of a pair: not two numbers of one row."""
+    return isinstance(values, list | tuple | np.ndarray) and all(row is None or np.shape(row) == (2,) for row in values)

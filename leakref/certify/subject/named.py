@@ -1,0 +1,31 @@
+"""An implementation under another name."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+__all__ = ["Named"]
+
+
+class Named:
+    """An implementation under another name, its stages those of `inner`; with `null` instead of a row of NaN."""
+
+    def __init__(self, inner: Any, name: str, *, null: bool = True, **declared: object) -> None:
+        self._inner, self._null, self._said = inner, null, {"name": name, **declared}
+
+    def describe(self) -> Mapping[str, object]:
+        """What the code declares of itself (guide protocol, section 3)."""
+        return {**self._inner.describe(), **self._said}
+
+    def extract(self, *cube: Any, **settings: Any) -> Any:
+        """Velocities, (n, 2), masked where there is none."""
+        found = self._inner.extract(*cube, **settings)
+        return np.ma.masked_where(np.isnan(found), found) if self._null and isinstance(found, np.ndarray) else found
+
+    def __getattr__(self, stage: str) -> Any:
+        if stage.startswith("_"):
+            raise AttributeError(stage)
+        return getattr(self._inner, stage)
