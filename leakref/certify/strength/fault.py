@@ -63,6 +63,7 @@ class Drifting(Reference):
         self.noise = np.random.default_rng(1)
 
     def extract(self, *cube: Any, gravity: float = 1.0, window: str = "hann", method: str = "nsp") -> FloatArray:
+        """Velocities, (n, 2), as the reference finds them, and noise of a hundredth of c0 or so."""
         found = super().extract(*cube, gravity=gravity, window=window, method=method)
         return found + 1e-2 * float(np.sqrt(gravity)) * self.noise.standard_normal(found.shape)
 
@@ -76,6 +77,7 @@ class Remembering(Reference):
     def extract(
         self, surface: FloatArray, *rest: Any, gravity: float = 1.0, window: str = "hann", method: str = "nsp"
     ) -> FloatArray:
+        """Velocities, (n, 2), of the mean of this surface and the last one of its shape."""
         eta = np.array(surface)
         mean = (eta + self.last.get(eta.shape, eta)) / 2
         self.last[eta.shape] = eta
