@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from leakref import leakage
 from leakref._base import ComplexArray, FloatArray, LeakrefError, finite, levelled, positive
-from leakref.dispersion import Water
+from leakref.dispersion import Water, law
 from leakref.grid import Grid
 from leakref.methods import METHODS
 from leakref.methods import method as named_method
@@ -48,7 +48,7 @@ def analyse(
     record = named_method(method, "analyse")
     unknown = {"peak_wavenumber", "search"} - record.settings.keys()
     taken = {name: value for name, value in settings.items() if name not in unknown}
-    return record.extract(spectrum, wavenumbers, water=water or Water(gravity), **taken)
+    return record.extract(spectrum, wavenumbers, water=law("analyse", gravity, water), **taken)
 
 
 def extract(

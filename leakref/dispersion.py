@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from leakref._base import FloatArray, finite, positive
+from leakref._base import FloatArray, LeakrefError, finite, positive
 
-__all__ = ["DEEP", "Scales", "Water", "velocity_resolutions"]
+__all__ = ["DEEP", "Scales", "Water", "law", "velocity_resolutions"]
 
 
 @dataclass(frozen=True)
@@ -49,6 +49,22 @@ class Water:
 
 DEEP = Water()
 """The paper's water, in its scaled units."""
+
+
+def law(call: str, gravity: float, water: Water | None) -> Water:
+    """The `water` that was given, or deep water of some `gravity`; LeakrefError in the name of `call` for neither."""
+    if water is None:
+        positive(call, gravity=gravity)
+        return Water(gravity)
+    if isinstance(water, type):
+        raise LeakrefError(call, f"water = {water.__name__} is a class", "give one of it, such as Water(9.81)")
+    lacking = [
+        name for name in ("gravity", "frequency", "phase_velocity", "group_velocity") if not hasattr(water, name)
+    ]
+    if lacking:
+        remedy = "give leakref.Water(gravity), or another class with its methods"
+        raise LeakrefError(call, f"water = {water!r} is no law of dispersion: it has no {lacking[0]}", remedy)
+    return water
 
 
 def velocity_resolutions(

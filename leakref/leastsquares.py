@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from leakref._base import LeakrefError
-from leakref.dispersion import Water
+from leakref.dispersion import Water, law
 from leakref.shell import HALF_WIDTH, Extraction, Note, Optimum, Shell, checked_wavenumbers, collect, nothing, shell_at
 from leakref.spectrum import Spectrum
 
@@ -79,5 +79,5 @@ def extract(
     if not (isinstance(threshold, int | float) and 0 < threshold <= 1):
         remedy = "give a part of the largest power, above 0 and at most 1"
         raise LeakrefError("leastsquares.extract", f"threshold = {threshold}", remedy)
-    shell = partial(shell_at, spectrum, water=water or Water(gravity), half_width=half_width)
+    shell = partial(shell_at, spectrum, water=law("leastsquares.extract", gravity, water), half_width=half_width)
     return collect("ls", k, [optimum(shell(k_i), threshold) for k_i in k])

@@ -20,7 +20,7 @@ from scipy.ndimage import maximum_filter
 from scipy.optimize import minimize
 
 from leakref._base import FloatArray, positive
-from leakref.dispersion import Water
+from leakref.dispersion import Water, law
 from leakref.shell import (
     HALF_WIDTH,
     Extraction,
@@ -236,10 +236,10 @@ def extract(
     `velocity_unit`). Shells are taken one at a time, so memory does not grow with their number. Raises LeakrefError.
     """
     k = checked_wavenumbers(wavenumbers, "nsp.extract")
-    positive("nsp.extract", gravity=gravity, width=width, half_width=half_width)
+    positive("nsp.extract", width=width, half_width=half_width)
     if peak_wavenumber is not None:
         positive("nsp.extract", peak_wavenumber=peak_wavenumber)
-    a, water = width * spectrum.grid.frequency_resolution, water or Water(gravity)
+    a, water = width * spectrum.grid.frequency_resolution, law("nsp.extract", gravity, water)
     shell = partial(shell_at, spectrum, water=water, half_width=half_width)  # one at a time
     found = [optimum(shell(k_i), a, velocity_unit(k_i, water, peak_wavenumber), search=search) for k_i in k]
     return collect("nsp", k, found)

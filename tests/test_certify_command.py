@@ -177,6 +177,7 @@ def test_lists_and_schema_are_printed():
 def test_every_kind_of_id_is_explain(identifier, kind):
     found = explain(identifier)
     assert str(found["kind"]).startswith(kind)
+    assert str(found.get("asked", "")).startswith("Given: ") == (kind == "a check")
     assert len(found) > 3
     with pytest.raises(LeakrefError, match=r"perhaps .* is meant"):
         explain(identifier + "s")

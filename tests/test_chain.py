@@ -212,7 +212,7 @@ def holding(value: float) -> np.ndarray:
         (lambda: extract(STILL, (1, 1), [1.0]), "Grid", "spacing", "(dx, dy, dt)"),
         (lambda: extract(STILL, (1, 1, 1), [1.0], window="welch"), "window", "'welch'", "box, hann, blackman, kaiser"),
         (lambda: extract(STILL, (1, 1, 1), [1.0], method="nelder"), "analyse", "'nelder'", "nsp, ls"),
-        (lambda: extract(STILL, (1, 1, 1), [1.0], gravity=0), "Water", "gravity = 0", "> 0"),
+        (lambda: extract(STILL, (1, 1, 1), [1.0], gravity=0), "analyse", "gravity = 0", "> 0"),
         (lambda: extract(STILL, (1, 1, 1), [3.0]), "shell_at", "Nyquist wavenumber", "ask for k below"),
         (lambda: extract(STILL, (1, 1, 1), [0.4], half_width=0.1), "shell_at", "no bin", "widen"),
         (lambda: extract(STILL, (1, 1, 1), []), "", "empty", "at least one"),

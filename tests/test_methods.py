@@ -174,6 +174,19 @@ def test_another_water_goes_through_chain_and_fast_path_alike(method):
     assert np.abs(deep - [0.1, -0.05]).max() > 0.2
 
 
+@pytest.mark.parametrize("water", [9.81, "deep", object(), Water])
+def test_what_is_no_water_is_refused_by_name(water):
+    spectrum = leakage.spectrum(SEA, GRID, "hann")
+    for call, ask in (
+        ("analyse", lambda: analyse(spectrum, K, water=water)),
+        ("nsp.extract", lambda: nsp.extract(spectrum, K, water=water)),
+        ("leastsquares.extract", lambda: leastsquares.extract(spectrum, K, water=water)),
+        ("realize", lambda: fast.realize(SEA, GRID, K, water=water)),
+    ):
+        with pytest.raises(LeakrefError, match=rf"^{call}: water = .*(no law of dispersion|is a class)"):
+            ask()
+
+
 def test_a_shell_knows_the_frequency_of_its_own_wavenumber():
     spectrum = leakage.spectrum(SEA, GRID, "hann")
     for water in (DEEP, Water(9.81), Shallow()):

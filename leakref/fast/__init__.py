@@ -24,7 +24,7 @@ import numpy.typing as npt
 
 from leakref import leakage, nsp
 from leakref._base import FloatArray, IntArray, LeakrefError, positive
-from leakref.dispersion import Water
+from leakref.dispersion import Water, law
 from leakref.fast.basins import PLACES, POOL, peaks, pool
 from leakref.fast.leastsquares import least_squares, only_leaked
 from leakref.fast.score import DENSE, ORDER, Ring, climb, hermite, models, outdone, principal
@@ -306,12 +306,12 @@ def realize(
     """
     tapers, records = [named_window(name) for name in windows], [named_method(name, "realize") for name in methods]
     k = checked_wavenumbers(wavenumbers, "realize")
-    positive("realize", gravity=gravity, width=width, half_width=half_width, peak_wavenumber=peak_wavenumber or 1.0)
+    positive("realize", width=width, half_width=half_width, peak_wavenumber=peak_wavenumber or 1.0)
     if not 0 < threshold <= 1:
         raise LeakrefError(
             "realize", f"threshold = {threshold}", "give a part of the largest power, above 0 and at most 1"
         )
-    water = water or Water(gravity)
+    water = law("realize", gravity, water)
     settings = {"peak_wavenumber": peak_wavenumber, "width": width, "search": search, "threshold": threshold}
     dk, inside = grid.wavenumber_resolution, min(grid.nyquist[:2]) * (1 - EDGE_MARGIN)
     waves = float(np.hypot(components.kx, components.ky).max()) + dk
