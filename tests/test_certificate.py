@@ -9,7 +9,8 @@ import jsonschema
 import pytest
 
 from leakref import LeakrefError
-from leakref.certify.certificate import Certificate, Known, junit, read_known, schema
+from leakref.certify.certificate import Certificate, junit, schema
+from leakref.certify.known import Known, read_known
 from leakref.certify.report import badge, sentence
 from leakref.certify.verdict import Finding, Verdict
 

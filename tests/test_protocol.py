@@ -261,9 +261,9 @@ def test_a_process_that_is_killed_leaves_no_program(session, tmp_path, number):
         finally:
             process.send_signal(number)
     end = time.monotonic() + 60
-    while (running(tmp_path) or list(tmp_path.glob("leakref-*"))) and time.monotonic() < end:
+    while (running(tmp_path) or list(tmp_path.glob("tmp*"))) and time.monotonic() < end:
         time.sleep(0.02)
-    assert (running(tmp_path), list(tmp_path.glob("leakref-*"))) == ([], [])  # nor its exchange folder
+    assert (running(tmp_path), list(tmp_path.glob("tmp*"))) == ([], [])  # nor its exchange folder
 
 
 def test_garbage_between_the_lines_is_ignored(session, tmp_path):
@@ -347,7 +347,7 @@ def test_only_status_ok_is_an_answer(session):
     statuses = {
         "'fine'": ("error", "answered with the status 'fine', should be ok, unsupported or error"),
         "None": ("error", "answered with the status 'None', should be ok, unsupported or error"),
-        "'unsupported'": ("unsupported", "too rough"),
+        "'unsupported'": ("missing", "refused: too rough"),
         "'error'": ("error", "too rough"),
     }
     deeds = [f"say(good(request) | {{'status': {status}, 'message': 'too\\nrough'}})" for status in statuses]
@@ -360,7 +360,6 @@ def test_what_is_no_pair_of_numbers_fails(session):
         "[[float('nan'), 0.1], [0.1, 0.2]]",
         "[[0.1, float('inf')], [0.1, 0.2]]",
         "[[0.1, 10**400], [0.1, 0.2]]",
-        "[None, None]",
         "[[0.1, 0.2]]",
         "[[0.1, 0.2]] * 3",
         "[[0.1], [0.2]]",
@@ -398,6 +397,27 @@ def test_wavenumbers_that_are_none_fail(session):
     ]
     with session(*(f"say(good(request) | {{'wavenumbers': {at}}})" for at in answers)) as subject:
         assert [verdict for verdict, _ in judged(subject, len(answers))] == len(answers) * ["fail"]
+
+
+def test_all_rows_declined_is_no_answer(session):
+    with session("say(good(request) | {'velocities': [None, None]})") as subject:
+        assert judged(subject) == [("missing", "gave no velocity at any of 2 wavenumbers")]
+
+
+def test_neither_environment_nor_folder_says_that_this_is_a_test(session, monkeypatch, tmp_path):
+    """The caller's own variables stay, whatever they are called."""
+    monkeypatch.setenv("PYTEST_CURRENT_TEST", "a test")
+    monkeypatch.setenv("LEAKREF_OF_THE_CALLER", "kept")
+    deed = "json.dump([dict(os.environ), request['input']], open(HERE + '/seen', 'w')); say(good(request))"
+    with session(deed) as subject:
+        assert judged(subject) == [("ok", "")]
+    seen, given = json.loads((tmp_path / "seen").read_text())
+    added = seen.keys() - os.environ.keys()
+    assert len(added) == 1
+    assert seen["LEAKREF_OF_THE_CALLER"] == "kept"
+    assert not [name for name in seen if name.startswith("PYTEST_")]
+    folder = Path(given).relative_to(tempfile.gettempdir()).parts[0]
+    assert not any(word in text.lower() for word in ("leakref", "test") for text in (*added, folder))
 
 
 def test_one_row_declined_is_no_failure(session):

@@ -10,7 +10,8 @@ from xml.etree import ElementTree
 import pytest
 
 from leakref.certify.bias import SEAS, bias, figure
-from leakref.certify.certificate import Certificate, Known
+from leakref.certify.certificate import Certificate
+from leakref.certify.known import Known
 from leakref.certify.report import badge, page
 from leakref.certify.runner import select
 from leakref.certify.subject.inprocess import InProcess

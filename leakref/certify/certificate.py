@@ -2,35 +2,33 @@
 
 A certificate is made once, by `runner.certify`, and never changed: diagnosis and bias make a new one by
 `dataclasses.replace`. Grade, exit status and the list of what is wrong are computed from the findings whenever they are
-asked for, so that they cannot disagree with them. The module also reads the list of known failures, and writes the
-certificate as JSON and as JUnit XML; the page and the badge are in `report`. It runs no check.
+asked for, so that they cannot disagree with them. The module also writes the certificate as JSON and as JUnit XML; the
+page and the badge are in `report`. It runs no check.
 """
 
 from __future__ import annotations
 
 import re
-import tomllib
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import resources
 from json import loads
-from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
 
-from leakref._base import LeakrefError, refusal
 from leakref._output import envelope, plain
 from leakref.certify.checks.draw import PUBLISHED
 from leakref.certify.checks.registry import FAMILIES
+from leakref.certify.known import Known
 from leakref.certify.subject.declaration import Declaration
 from leakref.certify.subject.frames import GRAVITY, OWN, PEAK
 from leakref.certify.verdict import WRONG, Finding, Verdict
 from leakref.dispersion import Water
 
-__all__ = ["CONFORMANT", "MUST", "REJECTED", "SOUND", "Certificate", "Known", "junit", "read_known", "schema"]
+__all__ = ["CONFORMANT", "MUST", "REJECTED", "SOUND", "Certificate", "junit", "schema"]
 
 CONFORMANT, SOUND, REJECTED = "conformant", "sound", "rejected"  # grades
 """The grades, as they stand in the JSON and on the page; a certificate by which nothing could be judged has none."""
@@ -38,55 +36,6 @@ CUT = "interrupted after"
 """How `cut_short` begins where questions were left; else only what comes after them was."""
 MUST = ("signs", "recovery", "leakage")
 """Of each of these families a code that measures velocities must have answered half of what its declaration admits."""
-
-
-@dataclass(frozen=True)
-class Known:
-    """A failure that is known: why it is accepted for now, and where it is being dealt with.
-
-    - `id`: of the finding, `family.check[case]`.
-    - `reason`: in words, never empty.
-    - `issue`: where it is tracked, an address or a number; from a file never empty, from `parametrize_with_checks`
-      maybe.
-
-    A failure that is listed here counts in the grade as any other, and not in the exit status. One that is listed and
-    passes makes the list stale, and the certificate not `ok`.
-    """
-
-    id: str
-    reason: str
-    issue: str
-
-
-def read_known(path: Path) -> dict[str, Known]:
-    """Known failures by finding id from a TOML file with lines `"id" = {reason = "...", issue = "..."}`.
-
-    Raises LeakrefError for anything else.
-
-    That is a file that cannot be read, is not TOML or not UTF-8, and an entry that lacks one of the two, has anything
-    else, or has either of them blank. Ids are not looked up here: `runner.certify` refuses those that no check has.
-    """
-    try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise refusal("certify", f"{path} cannot be read ({error.strerror})", "give a TOML file", error) from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise LeakrefError(
-            "certify",
-            f"{path} is not TOML ({error})",
-            'write lines such as "recovery.pair[...]" = {reason = "...", issue = "..."}',
-        ) from None
-    found = {}
-    for identifier, row in table.items():
-        given = row if isinstance(row, Mapping) else {}
-        if set(given) != {"reason", "issue"} or not all(isinstance(v, str) and v.strip() for v in given.values()):
-            raise LeakrefError(
-                "certify",
-                f"{path}: the entry {identifier!r} should have a reason and an issue, both in words",
-                'write "id" = {reason = "...", issue = "..."}',
-            )
-        found[identifier] = Known(identifier, given["reason"], given["issue"])
-    return found
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,8 +23,9 @@ from rich.table import Table
 
 from leakref._base import LeakrefError
 from leakref._output import console, dump, envelope, folder, progress_bar, write_whole
-from leakref.certify.certificate import CUT, REJECTED, SOUND, Certificate, junit, read_known, schema
+from leakref.certify.certificate import CUT, REJECTED, SOUND, Certificate, junit, schema
 from leakref.certify.checks.draw import PUBLISHED, Draw
+from leakref.certify.known import read_known
 from leakref.certify.runner import certify, select
 from leakref.certify.strength.diagnosis import explain
 from leakref.certify.subject.protocol import ProcessSubject

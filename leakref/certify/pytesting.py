@@ -18,9 +18,9 @@ from typing import Any
 import pytest
 
 from leakref._base import LeakrefError
-from leakref.certify.certificate import Known, read_known
 from leakref.certify.checks.draw import PUBLISHED
 from leakref.certify.checks.registry import Case, Check
+from leakref.certify.known import Known, read_known
 from leakref.certify.runner import select
 from leakref.certify.subject.frames import Subject
 from leakref.certify.subject.inprocess import InProcess

@@ -26,10 +26,11 @@ from time import perf_counter
 
 from leakref._base import LeakrefError
 from leakref.certify import checks
-from leakref.certify.certificate import Certificate, Known
+from leakref.certify.certificate import Certificate
 from leakref.certify.checks import conformance
 from leakref.certify.checks.draw import DRAWN, PUBLISHED, Draw
 from leakref.certify.checks.registry import FAMILIES, Case, Check
+from leakref.certify.known import Known
 from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Finding, Verdict
 

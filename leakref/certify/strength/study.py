@@ -37,8 +37,7 @@ __all__ = ["DISTINCT", "SEEDS", "Job", "classes", "compute", "jobs", "run", "stu
 
 SEEDS = 1000
 """Seeds of the full study other than that of the published questions, shared among the variants."""
-_TOO = 200
-"""Of them as many draw also the questions of families that a run asks as they are published."""
+_TOO = 200  # of them as many draw also the questions of families that a run asks as they are published
 DISTINCT = 10.0
 """Effect over tolerance that every fault must have on its killing input."""
 _SEEN = (*DRAWN, "metamorphic", "shear", "scale")  # families that look at seas
@@ -139,9 +138,7 @@ def _name(pair: tuple[Check, Case]) -> str:
 
 
 def _over(finding: Finding) -> float:
-    """Effect over tolerance; what broke or gave no number is beyond all measure, what was not judged is none. `NEVER`
-    is a finite number beyond any tolerance, so that it can be written to JSON.
-    """
+    """Effect over tolerance; what broke or gave no number is `NEVER`, which JSON can hold, what was not judged none."""
     if finding.verdict in (Verdict.MISSING, Verdict.UNSUPPORTED):
         return 0.0
     if finding.over is None or not np.isfinite(finding.over):
@@ -211,16 +208,14 @@ def variant_record(
     Those of conformance only count for variants that deserve that grade. Of another `seed` than None only families that
     look at seas are asked, for the lowest seeds also those that a run does not draw.
     """
-    exact = VARIANTS[identifier].grade == "conformant" if identifier in VARIANTS else False
+    exact = identifier in VARIANTS and VARIANTS[identifier].grade == "conformant"
+    pairs = select(profile="quick")
     if seed is None:
-        pairs = [pair for pair in select(profile="quick") if exact or pair[0].family != "conformance"]
-        found = [check(InProcess(make(identifier)), case) for check, case in pairs]
+        asked = [pair for pair in pairs if exact or pair[0].family != "conformance"]
     else:
         families = _SEEN if seed <= PUBLISHED + _TOO else DRAWN
-        pairs = [
-            (check, replace(case, seed=seed)) for check, case in select(profile="quick") if check.family in families
-        ]
-        found = [check(InProcess(make(identifier)), case) for check, case in pairs]
+        asked = [(check, replace(case, seed=seed)) for check, case in pairs if check.family in families]
+    found = [check(InProcess(make(identifier)), case) for check, case in asked]
     wrong = [f for f in found if f.verdict in WRONG]
     return {
         "id": identifier,
