@@ -196,9 +196,8 @@ def read(path: Path) -> Code:
     if not isinstance(form, str) or not form.startswith("leakref/certify/"):
         what = f": its schema is {form[:60]!r}" if isinstance(form, str) else ""
         raise LeakrefError("compare", f"{path} is no certificate of leakref certify{what}", _REMEDY)
-    maker = record.get("version")
-    other = isinstance(maker, str) and maker != __version__
-    remedy = "certify the code again" + f", or compare with leakref {maker[:40]}, which made it" * other
+    maker = str(record.get("version") or __version__)[:40]
+    remedy = "certify the code again" + f", or compare with leakref {maker}, which made it" * (maker != __version__)
     if form != _SCHEMA:
         raise LeakrefError(
             "compare", f"{path} is a certificate of the format {form[:60]}, and {_SCHEMA} is what is read here", remedy
@@ -397,4 +396,4 @@ def _print(codes: Sequence[Code], place: Path) -> None:
     show.print(table)
     for sentence in unlike(codes):
         show.print(f"[yellow]Mind:[/] {escape(sentence)}", soft_wrap=True)
-    show.print(f"{len(differing(codes))} findings differ between codes. Page: {escape(str(place))}", soft_wrap=True)
+    show.print(f"Findings that differ between codes: {len(differing(codes))}. Page: {escape(str(place))}", soft_wrap=True)
