@@ -396,4 +396,6 @@ def _print(codes: Sequence[Code], place: Path) -> None:
     show.print(table)
     for sentence in unlike(codes):
         show.print(f"[yellow]Mind:[/] {escape(sentence)}", soft_wrap=True)
-    show.print(f"Findings that differ between codes: {len(differing(codes))}. Page: {escape(str(place))}", soft_wrap=True)
+    show.print(
+        f"Findings that differ between codes: {len(differing(codes))}. Page: {escape(str(place))}", soft_wrap=True
+    )

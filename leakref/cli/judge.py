@@ -72,7 +72,7 @@ def certify(
 @command(JUDGE)
 def compare(
     certificates: Annotated[
-        list[Path], typer.Argument(metavar="CERTIFICATE...", help="Two or more files certificate.json.")
+        list[Path], typer.Argument(metavar="CERTIFICATE", help="Two or more files certificate.json.")
     ],
     out: Annotated[Path, typer.Option(help="Folder for the page, comparison.html.")],
     json: Json = False,
