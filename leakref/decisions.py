@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = ["DECISIONS", "Decision"]
+__all__ = ["DECISIONS", "SLIPS", "Decision"]
 
 
 @dataclass(frozen=True)
@@ -70,3 +70,13 @@ DECISIONS = _register(
      "shell.Note"),
 )
 """Every decision by id, D1 to D19 as first laid down, those after as they were found."""
+SLIPS = {
+    "printed-branch": "over the whole space N is then the same for c and -c, and where waves are swept backwards the "
+    "current is lost",
+    "cut-at-3": "a limit in units of one sea: waves four times shorter are cut at one and a half times their peak, and "
+    "in strong currents a maximum without meaning wins",
+    "printed-amplitudes": "the sea has another energy than its spectrum, which depends on the size of the domain",
+    "both-halves": "a wave's mirror image at (-k, -omega) lies on the other branch, which least squares does not fit",
+}
+"""Variants that are no choice but a slip, of the paper or of its reader, and why. A code that is like any other variant
+is right as well, and never rejected."""

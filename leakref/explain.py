@@ -278,6 +278,7 @@ def _shifts(identifier: str) -> list[str]:
     together, for each method and window.
     """
     from leakref.claims.stored import stored_decision
+    from leakref.decisions import SLIPS
 
     found = stored_decision(identifier) or {}
     said = [found["no_effect"]] if found.get("no_effect") else []
@@ -288,7 +289,8 @@ def _shifts(identifier: str) -> list[str]:
             f"{row['unflagged']['c0']['largest']:.2g} c0"
             for row in rows
         ]
-        said.append(f"{variant['words']} ({'; '.join(moves)})")
+        slip = f"; a slip and no choice: {SLIPS[variant['id']]}" if variant["id"] in SLIPS else ""
+        said.append(f"{variant['words']} ({'; '.join(moves)}{slip})")
     return said
 
 

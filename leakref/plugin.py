@@ -39,6 +39,13 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         help="quick (the default), or full: all cases of "
         "the checks, and twenty times as many examples of the properties",
     )
+    group.addoption(
+        "--leakref-seed",
+        metavar="N",
+        type=int,
+        default=1,
+        help="draw the seas, phases and currents of the checks from it; 1, the default: the published questions",
+    )
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -110,6 +117,7 @@ class Asked(Judged):
         super().__init__(str(target or command))
         self.folder, self.target, self.command, self.opened = folder, target, command, False
         self.profile: str = config.getoption("leakref_profile") or "quick"
+        self.seed: int = config.getoption("leakref_seed")
         self.examined: Any = None
         """The implementation as the properties see it, once it was opened."""
 

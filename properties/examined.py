@@ -14,6 +14,7 @@ from hypothesis import reject
 from leakref import chain
 from leakref._base import FloatArray
 from leakref.certify.checks.criteria import FRACTION, unflagged, vector
+from leakref.certify.checks.identity import identify
 from leakref.certify.checks.inputs import Cube
 from leakref.certify.subject.frames import Subject
 from leakref.certify.subject.inprocess import InProcess
@@ -53,7 +54,8 @@ class Examined:
         self.offered("extract")
         if self.subject.declaration.band and not band:
             pytest.skip("gives one velocity for the whole band")
-        return self.subject.declaration.methods
+        identify(self.subject)
+        return self.subject.methods
 
     def windows(self) -> Sequence[str]:
         """Under which it can extract: box and Hann of those offered, or else the first one."""
@@ -66,7 +68,7 @@ class Examined:
         try:
             return getattr(self.subject, stage)(*args, **settings)
         except Unanswered as nothing:
-            if nothing.verdict is Verdict.UNSUPPORTED:
+            if nothing.verdict is Verdict.UNSUPPORTED or nothing.message.startswith("refused"):
                 pytest.skip(str(nothing))
             if nothing.verdict is Verdict.MISSING:
                 reject()

@@ -15,9 +15,9 @@ from .examined import Examined
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
-    """The checks of the profile that is asked for."""
+    """The checks of the profile and the seed that are asked for."""
     asked = metafunc.config.pluginmanager.get_plugin(ASKED)
-    pairs = select(profile=asked.profile if asked else "quick")
+    pairs = select(profile=asked.profile, seed=asked.seed) if asked else select(profile="quick")
     metafunc.parametrize(("check", "case"), pairs, ids=[f"{check.id}[{case.id}]" for check, case in pairs])
 
 

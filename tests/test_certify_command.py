@@ -224,7 +224,7 @@ def test_conformance_alone_rejects_no_code(monkeypatch, capsys):
     assert "conformance by itself" not in capsys.readouterr().out
 
 
-def test_what_was_found_before_an_interruption_is_told(monkeypatch, capsys):
+def test_what_was_found_before_an_interruption_is_told(monkeypatch, capsys, tmp_path):
     def impatient(*args, after_each, **kwargs):
         for name, verdict in (("signs.a[b]", Verdict.PASS), ("signs.a[c]", Verdict.FAIL)):
             after_each(Finding(name, "signs", verdict, "off by much"))
@@ -233,9 +233,17 @@ def test_what_was_found_before_an_interruption_is_told(monkeypatch, capsys):
     monkeypatch.setattr(commands, "certify", impatient)
     with pytest.raises(KeyboardInterrupt):
         commands.run(commands.Request("reference", None, only=["signs.aligned"]))
-    said = capsys.readouterr().err
-    assert "after 2 of" in said
-    assert "signs.a[c]: off by much" in said
+    shown = capsys.readouterr()
+    assert "interrupted after 2 of" in shown.err
+    assert "fail signs.a[c]" in shown.out
+    assert "off by much" in shown.out
+    with pytest.raises(KeyboardInterrupt):
+        commands.run(commands.Request("reference", None, only=["signs.aligned"], report=tmp_path), json=True)
+    record = json.loads(capsys.readouterr().out)
+    assert (record["complete"], record["ok"], record["grade"]) == (False, False, "rejected")
+    assert record["cut_short"] == "interrupted after 2 of 4 questions"
+    assert json.loads((tmp_path / "certificate.json").read_text())["complete"] is False
+    assert "Cut short" in (tmp_path / "certificate.html").read_text()
 
 
 def test_a_diagnosis_that_is_interrupted_leaves_the_findings(monkeypatch, capsys):
@@ -246,8 +254,25 @@ def test_a_diagnosis_that_is_interrupted_leaves_the_findings(monkeypatch, capsys
     with pytest.raises(KeyboardInterrupt):  # which is exit status 130
         commands.run(commands.Request("fault:flipped-y", None, only=["signs.sea[to-22.5]"]))
     shown = capsys.readouterr()
-    assert "Interrupted" in shown.err
-    assert "rejected: 1 of 1" in shown.out
+    assert "Cut short" in shown.err
+    assert "rejected, of what was asked by --only signs.sea[to-22.5], 1 of 1 questions" in shown.out
+
+
+def test_a_diagnosis_can_be_done_without(monkeypatch, capsys):
+    monkeypatch.setattr(commands, "explain", lambda *args, **kwargs: pytest.fail("was asked"))
+    request = commands.Request("fault:flipped-y", None, only=["signs.sea[to-22.5]"], diagnosis=False)
+    assert commands.run(request) == 1
+    assert "Diagnosis" not in capsys.readouterr().out
+
+
+def test_a_run_of_another_seed_says_how_to_repeat_it(capsys):
+    request = commands.Request("fault:flipped-y", None, only=["signs.sea[to-22.5]"], diagnosis=False, seed="5")
+    assert commands.run(request, json=True) == 1
+    shown = capsys.readouterr()
+    record = json.loads(shown.out)
+    assert (record["seed"], record["scope"]["seed"]) == (5, 5)
+    assert "--seed 5" in record["findings"][0]["repro"]
+    assert "--seed 5" in shown.err
 
 
 def test_scaffold_writes_and_says_what_comes_next(tmp_path):

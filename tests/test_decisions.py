@@ -11,14 +11,19 @@ import numpy as np
 import pytest
 
 from leakref import LeakrefError, fast
+from leakref.altered import altered
 from leakref.cases import CASES, Configuration
+from leakref.certify.runner import select
+from leakref.certify.subject.inprocess import InProcess
+from leakref.certify.subject.named import Named
+from leakref.certify.verdict import WRONG
 from leakref.claims import CLAIMS, decisionscommand, shifts
 from leakref.claims.registry import Claim
 from leakref.claims.shifts import Shifts, moving, rejudged, study, velocities
 from leakref.claims.stored import stored_decision, stored_decisions, turned
 from leakref.claims.variants import CONFIGURATIONS, NONE, VARIANTS
 from leakref.claims.words import above, bias, every
-from leakref.decisions import DECISIONS
+from leakref.decisions import DECISIONS, SLIPS
 from leakref.dispersion import velocity_resolutions
 from leakref.ensemble import Ensemble
 from leakref.shell import Note
@@ -220,6 +225,24 @@ def test_claims_that_turn_are_found_and_others_left_out(tmp_path):
 
 
 # ---- what is kept, and as a command
+
+
+AS_CODE = [v for v in VARIANTS.values() if v.changes and not {c.module for c in v.changes} <= {"sea", "cases"}]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("variant", AS_CODE, ids=lambda v: v.id)
+def test_another_right_choice_is_never_rejected_and_a_slip_is(variant):
+    """As the chain of somebody who has decided otherwise; what only conformance sees leaves it sound."""
+    code = InProcess(Named(altered(variant.changes).chain.reference, variant.id))
+    wrong = [f for f in (c(code, case) for c, case in select(profile="quick")) if f.verdict in WRONG]
+    rejecting = {f.id: f.message for f in wrong if f.family != "conformance"}
+    assert bool(rejecting) == (variant.id in SLIPS), rejecting
+
+
+def test_slips_are_variants_that_there_are():
+    assert set(SLIPS) < set(VARIANTS)
+    assert all(reason and not reason.endswith(".") for reason in SLIPS.values())
 
 
 def test_what_is_kept_covers_every_variant_on_every_sea():

@@ -257,7 +257,7 @@ def test_its_defaults_are_those_of_a_declaration():
                 assert all(Declaration.read({name: json.loads(one)}) for one in quoted(values))
     assert seen == set(Declaration.__dataclass_fields__)
     of_extract = {
-        quoted(names)[0]: json.loads(quoted(default)[0])
+        quoted(names)[0]: json.loads(quoted(default)[0]) if quoted(default) else []  # none named
         for names, default, _ in rows(3, 3)
         if names.startswith("`extract")
     }

@@ -114,7 +114,7 @@ def test_three_hundred_findings_make_a_small_page():
 def test_the_badge_is_an_image_that_names_the_grade(findings):
     found = certificate() if findings is None else replace(certificate(), findings=findings)
     root = ElementTree.fromstring(badge(found))
-    assert root.get("aria-label") == f"leakref: {found.grade or 'not judged'}"
+    assert root.get("aria-label") == f"leakref: {found.grade_line}"
 
 
 def test_bias_is_that_of_the_reference_for_the_reference_and_twice_it_where_errors_are_doubled():

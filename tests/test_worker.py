@@ -115,7 +115,7 @@ def test_whatever_a_target_does_the_protocol_holds(folder):
         assert [asked(subject, method)[0] for method in ("nan", "words", "complex")] == ["fail"] * 3
         assert asked(subject, "raises") == ("error", "ZeroDivisionError: division by zero")
         assert asked(subject, "exits") == ("error", "SystemExit: enough")
-        assert asked(subject, "lacks") == ("unsupported", "no such method")
+        assert asked(subject, "lacks") == ("missing", "refused: no such method")
         assert subject.violations == []
         assert asked(subject, "alters") == zeros
         assert subject.violations == ["extract altered its input eta"]

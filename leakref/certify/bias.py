@@ -21,6 +21,7 @@ from scipy.stats import t as student
 from leakref._base import FloatArray
 from leakref.certify.checks import inputs
 from leakref.certify.checks.criteria import expected, tapered
+from leakref.certify.checks.identity import identify
 from leakref.certify.checks.inputs import Cube, polar
 from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Unanswered
@@ -195,7 +196,8 @@ def bias(
     offers none of that kind; the method is the first it declares. Every realisation is shown at all `scales`. Returned
     is one `Bias` for each sea and scale, in that order. That a code does not answer is never raised.
     """
-    method, found = subject.declaration.methods[0], []
+    identify(subject)
+    method, found = subject.methods[0], []
     try:
         window = tapered(subject)
     except Unanswered:

@@ -19,15 +19,25 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
+import numpy as np
+
 from leakref._base import LeakrefError, refusal
 from leakref._output import envelope, plain
+from leakref.certify.checks.draw import PUBLISHED
 from leakref.certify.checks.registry import FAMILIES
+from leakref.certify.subject.declaration import Declaration
+from leakref.certify.subject.frames import GRAVITY, OWN, PEAK
 from leakref.certify.verdict import WRONG, Finding, Verdict
+from leakref.dispersion import Water
 
-__all__ = ["CONFORMANT", "REJECTED", "SOUND", "Certificate", "Known", "junit", "read_known", "schema"]
+__all__ = ["CONFORMANT", "MUST", "REJECTED", "SOUND", "Certificate", "Known", "junit", "read_known", "schema"]
 
 CONFORMANT, SOUND, REJECTED = "conformant", "sound", "rejected"  # grades
 """The grades, as they stand in the JSON and on the page; a certificate by which nothing could be judged has none."""
+CUT = "interrupted after"
+"""How `cut_short` begins where questions were left; else only what comes after them was."""
+MUST = ("signs", "recovery", "leakage")
+"""Of each of these families a code that measures velocities must have answered half of what its declaration admits."""
 
 
 @dataclass(frozen=True)
@@ -39,8 +49,8 @@ class Known:
     - `issue`: where it is tracked, an address or a number; from a file never empty, from `parametrize_with_checks`
       maybe.
 
-    A failure that is listed here does not count against the grade. One that is listed and passes makes the list stale,
-    and the certificate not `ok`.
+    A failure that is listed here counts in the grade as any other, and not in the exit status. One that is listed and
+    passes makes the list stale, and the certificate not `ok`.
     """
 
     id: str
@@ -95,7 +105,11 @@ class Certificate:
       it.
     - `departs_at`: `window`, `synthesize`, `spectrum` or `extract`, or empty.
     - `bias`: records of `Bias`, empty in the quick profile and where no velocities are offered.
-    - `seconds`: wall time of the run.
+    - `seconds`: wall time of the run; `date`: when it ended, in UTC.
+    - `seed`: of the questions that are drawn (`checks.draw`); `only`: the patterns by which some were chosen, if any.
+    - `methods`: those it was judged by; `scales`: the peak wavenumbers at which it answered; `fastest`: the strongest
+      current it was asked for, in c0.
+    - `cut_short`: where the run was interrupted, in words; empty if it came to its end.
     """
 
     target: str
@@ -109,6 +123,13 @@ class Certificate:
     departs_at: str = ""
     bias: Sequence[Mapping[str, Any]] = ()
     seconds: float = 0.0
+    date: str = ""
+    seed: int = PUBLISHED
+    only: Sequence[str] = ()
+    methods: Sequence[str] = ()
+    scales: Sequence[float] = ()
+    fastest: float = 0.0
+    cut_short: str = ""
 
     @property
     def counts(self) -> dict[str, int]:
@@ -122,9 +143,37 @@ class Certificate:
     def judged(self) -> list[Finding]:
         """Findings that say something of the implementation.
 
-        That is all but those of the verdict `unsupported`: what it does not offer speaks neither for nor against it.
+        That is all but `unsupported`, what it does not offer, and `missing`, what it offers and did not answer.
         """
-        return [f for f in self.findings if f.verdict is not Verdict.UNSUPPORTED]
+        return [f for f in self.findings if f.verdict not in (Verdict.UNSUPPORTED, Verdict.MISSING)]
+
+    @property
+    def coverage(self) -> dict[str, int]:
+        """How many questions were asked, judged, missing and unsupported; it stands beside the grade everywhere."""
+        counts = self.counts
+        return {
+            "asked": len(self.findings),
+            "judged": len(self.judged),
+            **{str(v): counts.get(str(v), 0) for v in (Verdict.MISSING, Verdict.UNSUPPORTED)},
+        }
+
+    @property
+    def thin(self) -> list[tuple[str, int, int]]:
+        """Families of which less than half was judged of what the declaration admits: their name, judged, admitted.
+
+        Looked at are those of `MUST`; for a code that offers no velocities, all that were asked.
+        """
+        found = []
+        for family in MUST if self.offers("extract") else FAMILIES:
+            admitted = [f for f in self.findings if f.family == family and f.verdict is not Verdict.UNSUPPORTED]
+            judged = sum(f.verdict is not Verdict.MISSING for f in admitted)
+            if 2 * judged < len(admitted):
+                found.append((family, judged, len(admitted)))
+        return found
+
+    def offers(self, stage: str) -> bool:
+        """Whether its declaration offers a stage."""
+        return stage in self.declaration.get("can", {})
 
     @property
     def stale(self) -> list[Known]:
@@ -140,7 +189,7 @@ class Certificate:
         """Failures, errors and time-outs, known or not. They decide the grade and are what the diagnosis tries to
         explain.
 
-        One that declines every number (`missing`) is not among them, but counts in `grade`.
+        What was declared and then refused (`missing`) is not among them, but counts in `grade`.
         """
         return [f for f in self.findings if f.verdict in WRONG]
 
@@ -151,38 +200,27 @@ class Certificate:
 
     @property
     def grade(self) -> str | None:
-        """Conformant, sound or rejected (guide protocol, section 12); None if nothing could be judged.
+        """Conformant, sound or rejected (guide protocol, section 12); None if too little could be judged.
 
-        Sound: nothing outside conformance is wrong, and no family was declined as a whole. Conformant: besides, nothing
-        in conformance is wrong or declined, and something was compared with golden values. A failure that is known is
-        a failure: a list of them changes the exit status and nothing else.
+        Rejected: something outside conformance is wrong. None: nothing is, but less than half of a family of `MUST` was
+        judged, or nothing at all, or the run was cut short. Conformant: all that was declared was answered, all of it
+        conforms, and something was compared with golden values. Sound: the others. A failure that is known is a
+        failure: a list of them changes the exit status and nothing else.
 
-        One that offers nothing but what conformance compares is rejected where it is not conformant, since nothing else
-        speaks for it.
+        One that offers nothing but what conformance compares is rejected where something there is wrong, since nothing
+        else speaks for it.
         """
         return self._graded(self.wrong)
 
     def _graded(self, wrong: Sequence[Finding]) -> str | None:
         """The grade, if no more than that was wrong."""
-        if not any(f.verdict is not Verdict.MISSING for f in self.judged):
-            return None
-        if any(f.family != "conformance" for f in wrong) or self._declined():
-            return REJECTED
-        golden = [f for f in self.judged if f.family == "conformance"]
-        complete = golden and not wrong and all(f.verdict is not Verdict.MISSING for f in golden)
-        if complete:
-            return CONFORMANT
         beyond = any(f.family != "conformance" for f in self.judged)
-        return SOUND if beyond else REJECTED  # one that offers nothing else has only the golden values to go by
-
-    def _declined(self) -> list[str]:
-        """Families in which it was asked for numbers and gave none. Conformance is left out: a code may decline golden
-        values and still be sound.
-        """
-        verdicts: dict[str, set[Verdict]] = {}
-        for f in self.judged:
-            verdicts.setdefault(f.family, set()).add(f.verdict)
-        return [family for family, seen in verdicts.items() if seen == {Verdict.MISSING} and family != "conformance"]
+        if any(f.family != "conformance" for f in wrong) or (wrong and not beyond):
+            return REJECTED
+        if not self.judged or self.thin or self.cut_short.startswith(CUT):
+            return None
+        compared = any(f.family == "conformance" for f in self.judged)
+        return CONFORMANT if compared and not wrong and not self.coverage["missing"] else SOUND
 
     @property
     def ok(self) -> bool:
@@ -193,8 +231,7 @@ class Certificate:
     def status(self) -> int:
         """Exit status: 0 holds, 1 fell short, 3 could not judge.
 
-        These are the exit statuses of `leakref certify`. It is 3 only where no finding was judged as anything but
-        `missing`.
+        These are the exit statuses of `leakref certify`. It is 3 where there is no grade.
         """
         return 3 if self.grade is None else 0 if self.ok else 1
 
@@ -211,6 +248,13 @@ class Certificate:
                 self.ok,
                 target=self.target,
                 grade=self.grade,
+                grade_line=self.grade_line,
+                coverage=self.coverage,
+                scope=self.scope(),
+                seed=self.seed,
+                date=self.date,
+                complete=not self.cut_short,
+                cut_short=self.cut_short,
                 profile=self.profile,
                 golden=self.golden,
                 declaration=self.declaration,
@@ -226,6 +270,42 @@ class Certificate:
         )
         return result
 
+    @property
+    def grade_line(self) -> str:
+        """The grade with what it rests on, as in "conformant, window only, 3 of 124 questions"."""
+        stages = list(self.declaration.get("can", {}))
+        words = [self.grade or "not judged"]
+        if stages and not self.offers("extract"):
+            words.append(f"{' and '.join(stages)} only")
+        if self.only:
+            words.append(f"of what was asked by --only {' '.join(self.only)}")
+        if known := len(self.wrong) - len(self.unexpected):
+            words.append(f"known: {known}")
+        return ", ".join([*words, f"{len(self.judged)} of {len(self.findings)} questions"])
+
+    def scope(self) -> dict[str, Any]:
+        """What the questions covered, for the JSON; `words` say it for a reader.
+
+        Lengths and speeds are in metres and m/s for a code in SI, else in units of `1 / k0` and `c0`.
+        """
+        si = self.declaration.get("units") == "si"
+        length, speed = (1 / PEAK, float(Water(GRAVITY).phase_velocity(PEAK))) if si else (1.0, 1.0)
+        waves = sorted(float(2 * np.pi * length / scale) for scale in self.scales)
+        found = {
+            "depth": "deep",
+            "surface_tension": 0.0,
+            "units": ("m", "m/s") if si else ("1/k0", "c0"),
+            "peak_wavelengths": [waves[0], waves[-1]] if waves else [],
+            "fastest_current": self.fastest * speed,
+            "stages": list(self.declaration.get("can", {})),
+            "methods": list(self.methods),
+            "windows": list(Declaration(can=self.declaration["can"]).windows) if self.offers("extract") else [],
+            "golden": self.golden,
+            "seed": self.seed,
+            "only": list(self.only),
+        }
+        return {**found, "words": _in_words(found, si)}
+
     def families(self) -> list[tuple[str, dict[str, int]]]:
         """Counts of verdicts of each family that was run. They come in the order of `FAMILIES`, each with a count for
         every verdict that occurs in it.
@@ -235,6 +315,31 @@ class Certificate:
             for family in FAMILIES
             if any(f.family == family for f in self.findings)
         ]
+
+
+def _in_words(scope: Mapping[str, Any], si: bool) -> str:
+    """The scope for a reader: which water, waves and currents, and what was asked of the code in them."""
+    asked = [
+        f"{name}s {', '.join(values)}" if len(values) > 1 else f"{name} {values[0]}"
+        for name, values in (("window", scope["windows"]), ("method", scope["methods"]))
+        if values
+    ]
+    if scope["methods"] == [OWN]:
+        asked[-1] = "no method named, so held to no digits (declare nsp or ls to be)"
+    if not scope["peak_wavelengths"]:
+        told = ", ".join(scope["stages"]) or "nothing"
+        return f"No velocity was judged; offered: {told}."
+    short, long = scope["peak_wavelengths"]
+    if si:
+        waves, other = f"linear waves of {2 * np.pi / PEAK:.3g} m", f"{short:.3g} to {long:.3g} m"
+    else:
+        waves, other = (
+            "linear waves in scaled units",
+            f"{short / 2 / np.pi:.2g} to {long / 2 / np.pi:.2g} times as long",
+        )
+    waves += f" (in the family scale {other})" * (short < long)
+    current = f"one current in the picture, of {scope['fastest_current']:.2g} {scope['units'][1]} at most"
+    return f"Deep water, no surface tension, {waves}, {current}; {'; '.join(asked)}."
 
 
 def schema() -> dict[str, Any]:
@@ -252,11 +357,25 @@ _NOT_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"
 def junit(certificate: Certificate) -> str:
     """JUnit XML: a suite for each family, a case for each finding; unsupported and known ones are skipped.
 
-    A failure is a `failure`, an error or a time-out an `error`. Each stale known failure is a failed case in a suite of
-    its own, so that a CI that reads only this file turns red as the exit status does. Returned is the whole text of the
-    file, with its XML declaration; characters that XML does not allow are replaced.
+    A failure is a `failure`, an error or a time-out an `error`. The first suite holds the grade, which fails where the
+    exit status is not 0, so that a CI that reads only this file turns red as well; each stale known failure is a failed
+    case in a suite of its own. Scope, coverage and seed are properties of the first suite. Returned is the whole text
+    of the file, with its XML declaration; characters that XML does not allow are replaced.
     """
     root = ElementTree.Element("testsuites", name=_clean(f"leakref certify {certificate.target}"))
+    failed = str(int(certificate.status != 0))
+    suite = ElementTree.SubElement(root, "testsuite", name="grade", tests="1", failures=failed)
+    properties = ElementTree.SubElement(suite, "properties")
+    for name, value in (
+        ("grade", certificate.grade_line),
+        *certificate.coverage.items(),
+        ("scope", certificate.scope()["words"]),
+        ("seed", certificate.seed),
+    ):
+        ElementTree.SubElement(properties, "property", name=name, value=_clean(str(value)))
+    case = ElementTree.SubElement(suite, "testcase", classname="leakref.grade", name=_clean(certificate.grade_line))
+    if certificate.status:
+        ElementTree.SubElement(case, "failure", message=f"exit status {certificate.status}")
     for family, _ in certificate.families():
         found = [f for f in certificate.findings if f.family == family]
         suite = ElementTree.SubElement(root, "testsuite", name=family, tests=str(len(found)))

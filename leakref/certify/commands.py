@@ -7,10 +7,12 @@ What has been found is printed even if it is interrupted on the way. Help texts 
 
 from __future__ import annotations
 
+import secrets
 import shlex
 from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
 from time import perf_counter
@@ -21,12 +23,13 @@ from rich.table import Table
 
 from leakref._base import LeakrefError
 from leakref._output import console, dump, envelope, folder, progress_bar, write_whole
-from leakref.certify.certificate import REJECTED, SOUND, Certificate, junit, read_known, schema
+from leakref.certify.certificate import CUT, REJECTED, SOUND, Certificate, junit, read_known, schema
+from leakref.certify.checks.draw import PUBLISHED, Draw
 from leakref.certify.runner import certify, select
 from leakref.certify.strength.diagnosis import explain
 from leakref.certify.subject.protocol import ProcessSubject
 from leakref.certify.targets import HarnessBroken, Limits, connect
-from leakref.certify.verdict import WRONG, Finding, Verdict
+from leakref.certify.verdict import Finding, Verdict
 from leakref.golden.sets import locate
 
 __all__ = ["Request", "run", "show_list", "show_schema"]
@@ -53,7 +56,8 @@ class Request:
     - `known`: TOML file of known failures; `keep`: folder in which exchanged files stay.
     - `timeout`, `start`: seconds for one run and for the start; None leaves the defaults of `Limits`.
     - `memory`: GiB, of the program with all it has started; `workers`: sessions side by side.
-    - `deep`: whether pairs of faults are tried in the diagnosis.
+    - `deep`: whether pairs of faults are tried in the diagnosis; `diagnosis`: whether there is to be one at all.
+    - `seed`: of the questions that are drawn, as typed: a number, or `fresh` for one of the machine's choice.
     """
 
     target: str | None
@@ -69,6 +73,18 @@ class Request:
     keep: Path | None = None
     deep: bool = False
     start: float | None = None
+    seed: str = str(PUBLISHED)
+    diagnosis: bool = True
+
+
+def seed_of(given: str) -> int:
+    """The seed that is meant: the number, or for `fresh` one that nobody knows before. Raises LeakrefError."""
+    if given == "fresh":
+        return 2 + secrets.randbelow(2**31)
+    try:
+        return Draw(int(given)).seed
+    except ValueError:
+        raise LeakrefError("certify", f"the seed is {given!r}", "give a whole number from 0 on, or fresh") from None
 
 
 def show_list(profile: str, only: Sequence[str], *, json: bool) -> int:
@@ -108,7 +124,10 @@ def run(request: Request, *, json: bool = False) -> int:
     known = read_known(request.known) if request.known else {}
     if request.report:
         folder(request.report)
-    checks = select(request.only, profile=request.profile, golden=request.golden)
+    seed = seed_of(request.seed)
+    if seed != PUBLISHED:
+        console().print(f"Seed {seed}: the same questions again with --seed {seed}")
+    checks = select(request.only, profile=request.profile, golden=request.golden, seed=seed)
     if not checks:
         console().print(
             f"[red]Nothing to run:[/] no check of the {request.profile} profile matches "
@@ -133,45 +152,62 @@ def run(request: Request, *, json: bool = False) -> int:
                 step()
 
             found = certify(
-                name, sessions, checks, profile=request.profile, golden=request.golden, known=known, after_each=counted
+                name,
+                sessions,
+                checks,
+                profile=request.profile,
+                golden=request.golden,
+                seed=seed,
+                only=request.only,
+                known=known,
+                after_each=counted,
             )
     except KeyboardInterrupt:
-        _so_far(seen, len(checks))
+        order = {f"{check.id}[{case.id}]": n for n, (check, case) in enumerate(checks)}
+        part = Certificate(
+            name,
+            request.profile,
+            f"v{request.golden}",
+            sessions[0].declaration.record(),
+            sorted(seen, key=lambda f: order.get(f.id, 0)),
+            known,
+            seconds=perf_counter() - start,
+            date=datetime.now(UTC).isoformat(timespec="seconds"),
+            seed=seed,
+            only=request.only,
+            cut_short=f"{CUT} {len(seen)} of {len(checks)} questions",
+        )
+        _give(_named(part, request), request, [], json=json)
         raise
     except HarnessBroken as broken:
         console().print(f"[red]Could not judge:[/] {escape(str(broken))}", soft_wrap=True)
         return 3
     found = _named(found, request)
     pictures: list[dict[str, str]] = []
-    interrupted = False
     try:
-        if found.wrong:
+        if found.wrong and request.diagnosis:
             with progress_bar("faults compared with what fell short", None) as step:
                 found = explain(found, deep=request.deep, after_each=step)
         if request.profile == "full" and found.grade is not None and not request.only:
             found, pictures = _biased(found, connect(request.target, command, limits=limits))
     except KeyboardInterrupt:  # what has been found is not lost
-        interrupted = True
-        console().print("[yellow]Interrupted:[/] what there is so far:")
+        found = replace(found, cut_short="interrupted when all had been asked, before it was looked into further")
     found = replace(found, seconds=perf_counter() - start)
-    written = _write(found, request.report, pictures)
-    if json:
-        print(dump(found.record()))
-    else:
-        _print(found, written, request.only)
-    if interrupted:
+    _give(found, request, pictures, json=json)
+    if found.cut_short:
         raise KeyboardInterrupt
     return found.status
 
 
-def _so_far(seen: Sequence[Finding], count: int) -> None:
-    """What was found before somebody lost patience."""
-    wrong = [f for f in seen if f.verdict in WRONG]
-    console().print(
-        f"[yellow]Interrupted[/] after {len(seen)} of {count} findings; {len(wrong)} of them wrong" + ":" * bool(wrong)
-    )
-    for finding in wrong[:_SHOWN]:
-        console().print(f"[red]{finding.verdict}[/] {escape(finding.id)}: {escape(finding.message)}", soft_wrap=True)
+def _give(found: Certificate, request: Request, pictures: Sequence[Mapping[str, str]], *, json: bool) -> None:
+    """Print and write what there is, all of it or what was found before somebody lost patience."""
+    written = _write(found, request.report, pictures)
+    if found.cut_short:
+        console().print(f"[yellow]Cut short:[/] {found.cut_short}")
+    if json:
+        print(dump(found.record()))
+    else:
+        _print(found, written, request.only)
 
 
 def _named(found: Certificate, request: Request) -> Certificate:
@@ -235,7 +271,7 @@ def _print(found: Certificate, written: Sequence[Path], only: Sequence[str]) -> 
     """
     show = Console()
     show.print(_summary(found))
-    reasons = {c.id: c.reason for c, _ in select()}
+    reasons = {c.id: c.reason for c, _ in select(golden=int(found.golden.removeprefix("v")))}
     colour = "yellow" if found.grade == SOUND else "red"  # it only differs
     told = set()
     for finding in found.unexpected[:_SHOWN]:
@@ -296,9 +332,8 @@ def _sentence(found: Certificate) -> str:
     """The grade in words."""
     from leakref.certify.report import sentence
 
-    grade = found.grade or "not judged"
     colour = "green" if found.ok and found.grade != REJECTED else "red"
     return (
-        f"[{colour} bold]{grade}[/]: {sentence(found)} Golden set {found.golden}, {found.profile} profile, "
-        f"{found.seconds:.0f} s."
+        f"[{colour} bold]{escape(found.grade_line)}[/]: {sentence(found)}\n{escape(found.scope()['words'])} "
+        f"Golden set {found.golden}, {found.profile} profile, seed {found.seed}, {found.seconds:.0f} s."
     )

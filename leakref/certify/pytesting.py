@@ -19,6 +19,7 @@ import pytest
 
 from leakref._base import LeakrefError
 from leakref.certify.certificate import Known, read_known
+from leakref.certify.checks.draw import PUBLISHED
 from leakref.certify.checks.registry import Case, Check
 from leakref.certify.runner import select
 from leakref.certify.subject.frames import Subject
@@ -60,6 +61,7 @@ def parametrize_with_checks(
     profile: str = "quick",
     only: Sequence[str] = (),
     known: Mapping[str, str | Mapping[str, str]] | Path | str | None = None,
+    seed: int = PUBLISHED,
 ) -> Any:
     """Decorate a test that calls its argument `check`: it becomes one test for each finding of `leakref certify`.
 
@@ -70,7 +72,8 @@ def parametrize_with_checks(
     `implementation` is an object or a function (guide protocol, section 5), or a TARGET in words; `only` are families,
     checks or patterns of ids. `known` are failures that are accepted for now, {id: reason}, {id: {"reason": ...,
     "issue": ...}} or the path of a TOML file of the latter: they must fail, and one that passes fails the test until it
-    is taken off. Raises LeakrefError for an unknown check, profile or known failure.
+    is taken off. `seed` draws seas, phases and currents; that of the published questions unless it is given. Raises
+    LeakrefError for an unknown check, profile or known failure, and for what is no seed.
 
     An instance, or what a class gives when it is called, is made once, when the first test runs, and shared by all.
     Golden values are those of set 1.
@@ -101,7 +104,7 @@ def parametrize_with_checks(
                 id=f"{check.id}[{case.id}]",
                 marks=_marks(accepted.get(f"{check.id}[{case.id}]")),
             )
-            for check, case in select(only, profile=profile)
+            for check, case in select(only, profile=profile, seed=seed)
         ],
     )
 

@@ -16,7 +16,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from leakref import __version__
 from leakref._base import FloatArray
-from leakref.certify.certificate import Certificate
+from leakref.certify.certificate import CONFORMANT, CUT, REJECTED, Certificate
 from leakref.certify.checks.registry import FAMILIES, Check
 from leakref.certify.runner import select
 from leakref.certify.verdict import Finding, Verdict
@@ -33,39 +33,45 @@ _MOST = 12  # wavenumbers in a drawing
 def sentence(certificate: Certificate) -> str:
     """What the grade means, and what it rests on.
 
-    It is what the command prints after the grade, and what stands at the top of the page. Its numbers are those of the
-    findings judged, so that a run of a few checks says that it was one.
+    It is what the command prints after the grade, and what stands at the top of the page. How many questions that were
+    stands in the grade line beside it.
     """
-    n = len(certificate.judged)
-    if certificate.grade is None:
-        return "Nothing that was asked is offered."
-    if certificate.grade == "conformant":
-        return f"It reproduces the reference chain in all {n} findings."
-    if certificate.grade == "sound":
-        return f"Another algorithm than the reference, and right wherever any algorithm must be ({n} findings judged)."
-    if certificate.wrong:
-        known = len(certificate.wrong) - len(certificate.unexpected)
-        return f"{len(certificate.wrong)} of {n} findings are wrong{f', known: {known}' if known else ''}."
-    return "It gave no numbers for a whole family of checks."
+    n, missing = len(certificate.judged), certificate.coverage["missing"]
+    if certificate.grade == REJECTED:
+        return f"{len(certificate.wrong)} of {n} answers are wrong."
+    if certificate.cut_short.startswith(CUT):
+        return f"The run was {certificate.cut_short}: there is no verdict."
+    if not n:
+        return "Nothing that was asked is offered." if not missing else "It answered nothing of what it offers."
+    if certificate.thin:
+        told = ", ".join(f"{judged} of {admitted} in {family}" for family, judged, admitted in certificate.thin)
+        return f"Too little was answered of what it offers: {told}, and half is the least."
+    refused = f" {missing} that it offers to answer it did not." if missing else ""
+    if certificate.grade == CONFORMANT:
+        return "It answered all it offers to answer as the reference chain does."
+    if any(f.family == "conformance" for f in certificate.wrong):
+        return f"Another algorithm than the reference, and right wherever any algorithm must be.{refused}"
+    compared = any(f.family == "conformance" for f in certificate.judged)
+    return f"Right wherever it was judged{'' if compared else ', and compared with no golden value'}.{refused}"
 
 
 def page(certificate: Certificate, pictures: Sequence[Mapping[str, str]] = ()) -> str:
     """One self-contained page of HTML, readable without scripts. `pictures`: title, words, and data, PNG in base64.
 
-    Findings are grouped by family. Of each check the first one that is wrong is open, the others are folded away. A
-    check that only this golden set has is shown without its reason and its tolerance.
+    First stands what was certified: grade, coverage, scope, diagnosis, whose it is and when. Findings follow by family;
+    of each check the first one that is wrong is open, the others are folded away, and what is unsupported is one line.
     """
-    known = {f"{c.id}[{case.id}]": c for c, case in select()}
-    grade = certificate.grade or "not judged"
+    known = {f"{c.id}[{case.id}]": c for c, case in select(golden=int(certificate.golden.removeprefix("v")))}
     first = {f.id.partition("[")[0]: f for f in reversed(certificate.wrong)}  # of each check: these are opened
-    rows = [
-        (family, [_row(f, known.get(f.id), f in first.values()) for f in certificate.findings if f.family == family])
-        for family, _ in certificate.families()
-    ]
+    rows = []
+    for family, _ in certificate.families():
+        own = [f for f in certificate.findings if f.family == family]
+        asked = [_row(f, known.get(f.id), f in first.values()) for f in own if f.verdict is not Verdict.UNSUPPORTED]
+        rows.append((family, asked, [f for f in own if f.verdict is Verdict.UNSUPPORTED]))
     return _PAGES.get_template("certificate.html").render(
         certificate=certificate,
         said=certificate.declaration,
-        grade=grade,
+        scope=certificate.scope()["words"],
         version=__version__,
         pictures=pictures,
         grade_class=certificate.grade or "unjudged",
@@ -78,12 +84,12 @@ def page(certificate: Certificate, pictures: Sequence[Mapping[str, str]] = ()) -
 
 
 def badge(certificate: Certificate) -> str:
-    """A small SVG with the grade.
+    """A small SVG with the grade line: the grade, and of how many questions it is.
 
-    Its width follows the length of the word; `not judged` is one of the words. The text of the file is returned.
+    Its width follows the length of the words. The text of the file is returned.
     """
-    grade = certificate.grade or "not judged"
-    return _PAGES.get_template("badge.svg").render(grade=grade, width=58 + 7 * len(grade), colour=_COLOURS[grade])
+    line, colour = certificate.grade_line, _COLOURS[certificate.grade or "not judged"]
+    return _PAGES.get_template("badge.svg").render(grade=line, width=62 + round(6.4 * len(line)), colour=colour)
 
 
 def _declared(said: Mapping[str, Any]) -> Iterator[tuple[str, str]]:

@@ -18,6 +18,8 @@ from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractContextManager
+from dataclasses import replace
+from datetime import UTC, datetime
 from fnmatch import fnmatchcase
 from queue import Empty, SimpleQueue
 from time import perf_counter
@@ -26,6 +28,7 @@ from leakref._base import LeakrefError
 from leakref.certify import checks
 from leakref.certify.certificate import Certificate, Known
 from leakref.certify.checks import conformance
+from leakref.certify.checks.draw import DRAWN, PUBLISHED, Draw
 from leakref.certify.checks.registry import FAMILIES, Case, Check
 from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Finding, Verdict
@@ -42,6 +45,8 @@ def certify(
     *,
     profile: str,
     golden: int = 1,
+    seed: int = PUBLISHED,
+    only: Sequence[str] = (),
     known: Mapping[str, Known] | None = None,
     after_each: Callable[[Finding], object] = lambda finding: None,
 ) -> Certificate:
@@ -50,7 +55,8 @@ def certify(
     `subjects` are as many independent sessions with it as shall work side by side. The findings are in the order of the
     checks, whichever session made them. Raises LeakrefError for a known failure that is no check's id.
 
-    `checks` are pairs from `select`. `profile` and `golden` are only written down: they have been applied by `select`.
+    `checks` are pairs from `select`. `profile`, `golden`, `seed` and `only` are only written down: they have been
+    applied by `select`.
     `after_each` is called with every finding, from the thread that made it, as soon as it is there. A code that has
     altered its input in a session where no check looked for it afterwards gets one more finding,
     `behaviour.input[whole-run]`.
@@ -98,8 +104,21 @@ def certify(
             raise
     findings = [found[number] for number in range(len(checks))]
     findings += _left_over([subject, *opened])
+    seen = [subject, *opened]
     return Certificate(
-        target, profile, f"v{golden}", subject.declaration.record(), findings, known, seconds=perf_counter() - start
+        target,
+        profile,
+        f"v{golden}",
+        subject.declaration.record(),
+        findings,
+        known,
+        seconds=perf_counter() - start,
+        date=datetime.now(UTC).isoformat(timespec="seconds"),
+        seed=seed,
+        only=only,
+        methods=subject.methods if subject.offers("extract") else (),
+        scales=sorted({scale for one in seen for scale in one.scales}),
+        fastest=max(one.fastest for one in seen),
     )
 
 
@@ -133,16 +152,20 @@ def _taken(waiting: SimpleQueue[int]) -> Iterator[int]:
             return
 
 
-def select(patterns: Sequence[str] = (), *, profile: str = "full", golden: int = 1) -> list[tuple[Check, Case]]:
+def select(
+    patterns: Sequence[str] = (), *, profile: str = "full", golden: int = 1, seed: int = PUBLISHED
+) -> list[tuple[Check, Case]]:
     """Checks and cases whose id, check or family matches one of the patterns (default: all) in a profile.
 
-    Conformance is to golden set number `golden`. Raises LeakrefError for a pattern that matches nothing in any profile.
+    Conformance is to golden set number `golden`; the families of `draw.DRAWN` ask the questions of `seed`. Raises
+    LeakrefError for a pattern that matches nothing in any profile, and for what is no seed.
 
     A pattern is an id (`recovery.pair[...]`), a check (`recovery.pair`), a family (`recovery`), or one of the first two
     with `*` and `?`; brackets in it stand for themselves. `profile` `full` means every case, anything else those marked
     quick. The pairs returned are in the order of `FAMILIES`, and may be none where a pattern matches only cases of the
     other profile.
     """
+    Draw(seed)  # refused here if it is none
     order, every = {family: n for n, family in enumerate(FAMILIES)}, checks.load()
     if golden != 1:
         every = {**every, **conformance.of_set(golden)}
@@ -165,7 +188,7 @@ def select(patterns: Sequence[str] = (), *, profile: str = "full", golden: int =
                 f"families are {', '.join(FAMILIES)}; `leakref certify --list` prints all ids",
             )
     return [
-        (c, case)
+        (c, replace(case, seed=seed) if c.family in DRAWN else case)
         for identifier, c, case in found
         if (profile == "full" or case.quick)
         and (not patterns or any(matches(pattern, identifier, c) for pattern in patterns))

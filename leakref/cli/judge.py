@@ -34,6 +34,10 @@ def certify(
     workers: Annotated[int, typer.Option(min=0, help="Sessions side by side; 0: one for each core.")] = 0,
     keep: Annotated[Path | None, typer.Option(help="Keep what is exchanged with the program in this folder.")] = None,
     deep: Annotated[bool, typer.Option("--deep", help="Diagnosis: try pairs of faults as well (minutes).")] = False,
+    diagnosis: Annotated[bool, typer.Option(help="Have failures explained.")] = True,
+    seed: Annotated[
+        str, typer.Option(metavar="N|fresh", help="Draw seas, phases, currents; 1: the published questions.")
+    ] = "1",
     listing: Annotated[bool, typer.Option("--list", help="Print the ids of all findings and stop.")] = False,
     schema: Annotated[bool, typer.Option("--schema", help="Print the certificate's JSON schema and stop.")] = False,
     json: Json = False,
@@ -64,6 +68,8 @@ def certify(
             keep,
             deep,
             start_timeout,
+            seed,
+            diagnosis,
         ),
         json=json,
     )
@@ -89,8 +95,8 @@ def strength(
         bool,
         typer.Option(
             "--full",
-            help="The whole matrix, 200 fresh seeds, the rate of false alarms: up "
-            "to an hour; it goes on where it stopped.",
+            help="The whole matrix, 1,000 other seeds, the rate of false alarms: up "
+            "to an hour and a half; it goes on where it stopped.",
         ),
     ] = False,
     out: Annotated[Path, typer.Option(help="Folder for the result and what it is resumed from.")] = Path(

@@ -263,7 +263,7 @@ def measure(
         errors = {
             (w, m): np.full((len(realizations), one.cube(0).wavenumbers.size), np.nan)
             for w in windows
-            for m in offered.methods
+            for m in offered.methods or subject.methods
         }
         silent: dict[tuple[str, str], list[str]] = {}
         for row, number in enumerate(realizations):

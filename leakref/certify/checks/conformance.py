@@ -139,8 +139,9 @@ def _velocities(
     subject: Subject, cube: Cube, surface: FloatArray, window: str, method: str, golden: FloatArray, allowed: FloatArray
 ) -> Outcome:
     """Compare with `golden` (n, 2), NaN where there is no number; `allowed` (n, 1) is its tolerance."""
-    found, there = as_array(subject, surface, cube.spacing, cube.wavenumbers, window, method)
-    known = there & ~np.isnan(golden).any(axis=1)
+    numbers = np.asarray(np.isfinite(golden).all(axis=1))
+    found, there = as_array(subject, surface, cube.spacing, cube.wavenumbers, window, method, numbers)
+    known = there & numbers
     over = np.full(known.size, np.nan)
     if known.any():
         part = Cube(cube.components, cube.grid, cube.wavenumbers[known], cube.current)

@@ -12,7 +12,7 @@ from leakref import fast
 from leakref._base import FloatArray
 from leakref.certify.checks.inputs import Cube
 from leakref.certify.checks.registry import Outcome
-from leakref.certify.subject.frames import Subject
+from leakref.certify.subject.frames import Subject, Velocities
 from leakref.certify.verdict import Unanswered, Verdict
 from leakref.methods import METHODS
 from leakref.nsp import WIDTH, score_range
@@ -21,6 +21,7 @@ from leakref.spectrum import Spectrum, fourier
 from leakref.window import WINDOWS
 
 __all__ = [
+    "DECLINED",
     "EXACT",
     "EXACTLY",
     "EXACT_OR_SCORE",
@@ -29,6 +30,7 @@ __all__ = [
     "IN_THE_MEAN",
     "NEVER",
     "TOLERANCE",
+    "answered",
     "as_array",
     "as_good",
     "ask",
@@ -54,6 +56,8 @@ FLATTER = 1e-6
 """Relative: a velocity whose score is this near the best one is as good as it; 1.4e-3 c0 at unit curvature."""
 FRACTION = 0.1
 """Of the smaller resolution (eq:dcdwk): how near answers must be that ought to be the same."""
+DECLINED = 1 / 3
+"""Of the wavenumbers of a question: a code that gives no velocity at more of them has not answered it."""
 NEVER = 1e6
 """The error over tolerance of what is either right or wrong."""
 TOLERANCE = (
@@ -107,11 +111,11 @@ def worst(outcomes: Mapping[str, Outcome]) -> Outcome:
 
 def each_method(subject: Subject, judge: Callable[[str], Outcome], without: tuple[str, ...] = ()) -> Outcome:
     """The worst outcome of all methods that are offered, but for those that the check is not about."""
-    methods = [method for method in subject.declaration.methods if method not in without]
+    methods = [method for method in subject.methods if method not in without]
     if not methods:
         raise Unanswered(
             Verdict.UNSUPPORTED,
-            f"offers no method but {', '.join(subject.declaration.methods)}, which this does not hold for",
+            f"offers no method but {', '.join(subject.methods)}, which this does not hold for",
         )
     return worst({method: judge(method) for method in methods})
 
@@ -119,10 +123,16 @@ def each_method(subject: Subject, judge: Callable[[str], Outcome], without: tupl
 def ask(subject: Subject, cube: Cube, window: str, method: str) -> tuple[FloatArray, npt.NDArray[np.bool_]]:
     """Velocities (n, 2) of a cube at its wavenumbers, and which of them were answered (n,)."""
     found = subject.extract(cube.surface, cube.spacing, cube.wavenumbers, window=window, method=method)
-    there = ~found.declined
-    if not there.any():
-        raise Unanswered(Verdict.MISSING, f"has no answer at k = {vector(cube.wavenumbers)}")
-    return found.values, there
+    subject.fastest = max(subject.fastest, float(np.hypot(*cube.truth.T).max()))
+    return answered(found).values, ~found.declined
+
+
+def answered(found: Velocities, needed: npt.NDArray[np.bool_] | None = None) -> Velocities:
+    """The answer, if it is one: not where more than `DECLINED` of the wavenumbers, of those `needed` (n,), are null."""
+    declined = found.declined if needed is None else found.declined[needed]
+    if declined.sum() > DECLINED * declined.size:
+        raise Unanswered(Verdict.MISSING, f"gave no velocity at {int(declined.sum())} of {declined.size} wavenumbers")
+    return found
 
 
 def as_array(
@@ -132,28 +142,36 @@ def as_array(
     wavenumbers: FloatArray,
     window: str,
     method: str,
+    needed: npt.NDArray[np.bool_] | None = None,
 ) -> tuple[FloatArray, npt.NDArray[np.bool_]]:
     """As `ask`, but of a surface [x, y, t] taken as an array: an implementation with y downwards sees the same one.
 
-    Its velocities (n, 2) are along the axes of the array; which way up that is, is not the question.
+    Its velocities (n, 2) are along the axes of the array; which way up that is, is not the question. It may decline
+    those that are not `needed` (n,).
     """
     turn = -1 if subject.declaration.y == "down" else 1
     found = subject.extract(surface[:, ::turn], spacing, wavenumbers, window=window, method=method)
-    return found.values * [1, turn], ~found.declined
+    return answered(found, needed).values * [1, turn], ~found.declined
 
 
 def exactly(
-    subject: Subject, cube: Cube, window: str, method: str, found: FloatArray, should: FloatArray
+    subject: Subject,
+    cube: Cube,
+    window: str,
+    method: str,
+    found: FloatArray,
+    should: FloatArray,
+    allowed: FloatArray | float = EXACT,
 ) -> FloatArray:
     """Error over tolerance at each wavenumber, (n,), of velocities (n, 2) that are known exactly.
 
-    `EXACT`, or for the NSP a score within `FLATTER` of that of the exact velocity, whichever is kinder. A method the
-    reference does not have, or one velocity for the whole band, may be off by the smaller resolution.
+    `allowed` in c0, or for the NSP a score within `FLATTER` of that of the exact velocity, whichever is kinder. A
+    method the reference does not have, or one velocity for the whole band, may be off by the smaller resolution.
     """
     error = np.hypot(*(found - should).T)
     if method not in METHODS or subject.declaration.band:
         return error / cube.resolutions[0]
-    return as_good(error / EXACT, cube, window, method, found, should)
+    return as_good(error / allowed, cube, window, method, found, should)
 
 
 def as_good(
@@ -176,7 +194,7 @@ def as_good(
 
 def scored_method(subject: Subject, otherwise: str) -> str:
     """A method that maximises a score at each wavenumber, or Unanswered with `otherwise` as the reason."""
-    offered = [m for m in subject.declaration.methods if m in METHODS and METHODS[m].score]
+    offered = [m for m in subject.methods if m in METHODS and METHODS[m].score]
     if not offered or subject.declaration.band:
         raise Unanswered(Verdict.UNSUPPORTED, otherwise)
     return offered[0]

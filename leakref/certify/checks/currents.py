@@ -12,6 +12,7 @@ from leakref._base import FloatArray
 from leakref.certify.checks import inputs
 from leakref.certify.checks.criteria import (
     EXACTLY,
+    FRACTION,
     TOLERANCE,
     ask,
     blind_to_backward_waves,
@@ -110,7 +111,12 @@ def check_backwards(subject: Subject, case: Case) -> Outcome:
 @check(
     "currents",
     "eq:normSp",
-    EXACTLY,
+    EXACTLY.replace(
+        "2e-4 c0 (the length of the error), three times what optimisers with default tolerances were seen to miss by",
+        "a tenth of the smaller of the two velocity resolutions (the length of the error): in so strong a current the "
+        "branches of G reach omega = 0 somewhere in the shell, and whether bins there count half, whole or not at all "
+        "(decision D5) moves the maximum by up to half of that",
+    ),
     [
         Case("following", {"grid": "even", "near": (0.1, 0.55)}),
         Case("crossing", {"grid": "odd", "near": (0.4, -0.1)}),
@@ -126,7 +132,8 @@ def check_aligned(subject: Subject, case: Case) -> Outcome:
 
     def judge(method: str) -> Outcome:
         found, there = ask(subject, cube, window, method)
-        over = np.where(there, exactly(subject, cube, window, method, found, cube.truth), np.nan)
+        allowed = FRACTION * cube.resolutions[0]
+        over = np.where(there, exactly(subject, cube, window, method, found, cube.truth, allowed), np.nan)
         return verdict(over, cube, found, cube.truth)
 
     return each_method(subject, judge)

@@ -1,6 +1,7 @@
 """The inputs of the checks: small seas and aligned waves with a known current, the same bits every time.
 
-No two sizes and no two spacings of a grid are alike, and dkx differs from dky, unless a case is about that.
+No two sizes and no two spacings of a grid are alike, and dkx differs from dky, unless a case is about that. What a
+check writes down are the published questions; what a seed makes of them is in `draw`, and applied here.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from leakref._base import FloatArray
+from leakref.certify.checks.draw import asked_seed, drawing
 from leakref.currents import Current, UniformCurrent
 from leakref.dispersion import DEEP, velocity_resolutions
 from leakref.grid import Grid
@@ -30,9 +32,10 @@ __all__ = [
     "SEA",
     "SHELLS",
     "Cube",
+    "asked",
+    "drawn",
     "pair",
     "polar",
-    "sampled",
     "sampling",
     "sea",
     "together",
@@ -57,13 +60,17 @@ _SQUARE: ContextVar[bool] = ContextVar("square", default=False)
 
 
 @contextmanager
-def sampled(*, square: bool) -> Iterator[None]:
-    """Within it cubes have square pixels, for a code that knows no others, or are as they are."""
-    token = _SQUARE.set(square)
+def asked(*, square: bool, seed: int) -> Iterator[None]:
+    """Within it the questions are those of a seed; cubes have square pixels, for a code that knows no others, or not.
+
+    Other threads go on with theirs.
+    """
+    tokens = _SQUARE.set(square), asked_seed.set(seed)
     try:
         yield
     finally:
-        _SQUARE.reset(token)
+        _SQUARE.reset(tokens[0])
+        asked_seed.reset(tokens[1])
 
 
 def sampling(grid: Grid) -> Grid:
@@ -72,6 +79,11 @@ def sampling(grid: Grid) -> Grid:
         return grid
     (nx, ny, nt), (dx, dy, dt) = grid.shape, grid.spacing
     return Grid((nx, ny + 2 * round((ny * dy / dx - ny) / 2), nt), (dx, dx, dt))
+
+
+def drawn(grid: Grid) -> Grid:
+    """The grid of a sea, as the seed has it. Grids on whose bins waves lie are kept."""
+    return sampling(drawing().grid(grid))
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,8 +137,16 @@ def sea(
     wavenumbers: tuple[float, ...] = SHELLS,
 ) -> Cube:
     """A JONSWAP sea on a current."""
-    below: Any = current or UniformCurrent()
-    return _sea(direction, spread, below, realization, peakedness, sampling(grid), wavenumbers)
+    draw = drawing()
+    return _sea(
+        draw.direction(direction),
+        spread,
+        draw.current(current),
+        draw.realization(realization),
+        peakedness,
+        drawn(grid),
+        wavenumbers,
+    )
 
 
 @lru_cache(maxsize=64)
@@ -148,15 +168,22 @@ def pair(grid: Grid, first: tuple[int, int], second: tuple[int, int], near: tupl
 
     Asked for half-way between their wavenumbers. Their current is exact, and not quite `near`.
     """
-    return _pair(sampling(grid), first, second, near)
+    draw = drawing()
+    one, two = draw.bins(first, second)
+    return _pair(sampling(grid), one, two, draw.near(near), tuple(draw.phases(np.array(_PHASES)).tolist()))
+
+
+_PHASES = (0.3, 1.9)
 
 
 @lru_cache(maxsize=64)
-def _pair(grid: Grid, first: tuple[int, int], second: tuple[int, int], near: tuple[float, float]) -> Cube:
+def _pair(
+    grid: Grid, first: tuple[int, int], second: tuple[int, int], near: tuple[float, float], phase: tuple[float, float]
+) -> Cube:
     k = np.array([first, second]) * grid.bin_widths[:2]
     size = np.hypot(*k.T)
     m = np.rint((DEEP.frequency(size) + k @ np.asarray(near)) / grid.frequency_resolution).astype(int)
-    components, current = aligned_waves(grid, [(*first, int(m[0])), (*second, int(m[1]))])
+    components, current = aligned_waves(grid, [(*first, int(m[0])), (*second, int(m[1]))], phase=phase)
     return Cube(components, grid, np.array([size.mean()]), UniformCurrent((float(current[0]), float(current[1]))))
 
 
@@ -168,12 +195,16 @@ def waves(
     current: Current | None = None,
     amplitude: FloatArray | float = 1.0,
 ) -> Cube:
-    """Waves at any wavenumbers (n,) on a current; phases scattered evenly."""
-    current, grid = current or UniformCurrent(), sampling(grid)
+    """Waves at any wavenumbers (n,) on a current, turned as the seed has it, on a grid that is kept.
+
+    Phases are scattered evenly.
+    """
+    draw = drawing()
+    current, grid, (kx, ky) = draw.current(current), sampling(grid), draw.turn @ np.stack([kx, ky])
     size = np.hypot(kx, ky)
     shift = current.doppler_shift_velocity(size)
     omega = DEEP.frequency(size) + kx * shift[:, 0] + ky * shift[:, 1]
-    phase = 2 * np.pi * (np.arange(kx.size) * np.sqrt(5.0) % 1)
+    phase = draw.phases(2 * np.pi * (np.arange(kx.size) * np.sqrt(5.0) % 1))
     return Cube(
         Components(kx, ky, omega, np.broadcast_to(amplitude, kx.shape), phase), grid, np.array(wavenumbers), current
     )

@@ -24,6 +24,7 @@ from leakref.certify.checks.criteria import (
     untapered,
     verdict,
 )
+from leakref.certify.checks.draw import drawing
 from leakref.certify.checks.inputs import SEA, Cube, polar
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.checks.statistics import excess, share
@@ -82,8 +83,10 @@ def check_swell(subject: Subject, case: Case) -> Outcome:
     untapered it is all there is."""
     n = np.arange(1, 41)
     k, angle = 1.2 + 1.6 * (n * np.sqrt(2) % 1), np.radians(70 + 60 * ((n * np.sqrt(3) % 1) - 0.5))
-    local = inputs.waves(SEA, k * np.cos(angle), k * np.sin(angle), (1.9, 2.1, 2.3, 2.5))
-    swell = Components(*(np.array([v]) for v in (*np.multiply(case.given["at"], local.grid.bin_widths), 60.0, 0.3)))
+    local = inputs.waves(inputs.drawn(SEA), k * np.cos(angle), k * np.sin(angle), (1.9, 2.1, 2.3, 2.5))
+    draw, (i, j, m) = drawing(), case.given["at"]
+    kx, ky, omega = (np.array([v]) for v in np.multiply([*draw.turn @ [i, j], m], local.grid.bin_widths))
+    swell = Components(kx, ky, omega, np.array([60.0]), draw.phases(np.array([0.3])))
     cube = Cube(inputs.together(local.components, swell), local.grid, local.wavenumbers, local.current)
     return each_method(subject, lambda method: in_the_mean(subject, cube, tapered(subject), method))
 
@@ -95,11 +98,11 @@ def check_flicker(subject: Subject, case: Case) -> Outcome:
     method = scored_method(subject, "offers no NSP; what fits the strongest bins may well fit these")
     n = np.arange(1, 41)
     k, angle = 1.0 + 1.2 * (n * np.sqrt(2) % 1), 2 * np.pi * (n * np.sqrt(3) % 1)
-    local = inputs.waves(SEA, k * np.cos(angle), k * np.sin(angle), (1.4, 1.6, 1.8), UniformCurrent((0.1, 0.05)))
-    waves, strength = local.components, case.given.get("strength", 100.0)
-    texture = Components(
-        waves.kx, waves.ky, np.full(n.size, 38.5 * SEA.frequency_resolution), np.full(n.size, strength), waves.phase
-    )
+    current = UniformCurrent((0.1, 0.05))
+    local = inputs.waves(inputs.drawn(SEA), k * np.cos(angle), k * np.sin(angle), (1.4, 1.6, 1.8), current)
+    waves, strength = local.components, np.full(n.size, case.given.get("strength", 100.0))
+    flicker = np.full(n.size, 38.5 * local.grid.frequency_resolution)
+    texture = Components(waves.kx, waves.ky, flicker, strength, waves.phase)
     cube = Cube(inputs.together(waves, texture), local.grid, local.wavenumbers, local.current)
     return in_the_mean(subject, cube, tapered(subject), method)
 
@@ -171,7 +174,7 @@ def check_bias(subject: Subject, case: Case) -> Outcome:
             raise Unanswered(Verdict.MISSING, f"has answers that can be judged in {len(pairs)} of {len(seas)} seas")
         other = method not in METHODS or subject.declaration.band
         margin = float(resolutions[1] if other else MARGIN * resolutions[0])
-        test = excess(pairs, margin, share(len(subject.declaration.methods)))
+        test = excess(pairs, margin, share(len(subject.methods)))
         return Outcome(
             test.over,
             f"|c - U| is {test.mean:+.3g} c0 beside the reference's in the mean of {len(pairs)} "

@@ -24,6 +24,7 @@ from leakref.certify.checks.criteria import (
     vector,
     verdict,
 )
+from leakref.certify.checks.draw import drawing
 from leakref.certify.checks.inputs import GRIDS, polar
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.subject.frames import Subject
@@ -79,11 +80,12 @@ def check_pair(subject: Subject, case: Case) -> Outcome:
 def check_single(subject: Subject, case: Case) -> Outcome:
     """One wave fixes the component of the current along it and no more: what is returned along it must be right."""
     method = scored_method(subject, "offers no NSP; other methods may decline where one wave is all there is")
-    window, grid, (i, j) = untapered(subject), inputs.sampling(GRIDS[case.given["grid"]]), case.given["bin"]
+    draw, window, grid = drawing(), untapered(subject), inputs.sampling(GRIDS[case.given["grid"]])
+    ((i, j),) = draw.bins(case.given["bin"])
     k = np.array([i, j]) * grid.bin_widths[:2]
     size = float(np.hypot(*k))
     m = round(float(DEEP.frequency(size)) / grid.frequency_resolution) + case.given["shift"]
-    waves, current = aligned_waves(grid, [(i, j, m)])
+    waves, current = aligned_waves(grid, [(i, j, m)], phase=draw.phases(np.array([0.3])).tolist())
     cube = inputs.Cube(waves, grid, np.array([size]), UniformCurrent((float(current[0]), float(current[1]))))
     found, _ = ask(subject, cube, window, method)
     along, should = float(found[0] @ k) / size, float(current @ k) / size

@@ -12,6 +12,8 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from leakref.certify.checks import inputs
+from leakref.certify.checks.draw import PUBLISHED
+from leakref.certify.checks.identity import identify
 from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Finding, Unanswered, Verdict
 
@@ -40,6 +42,8 @@ class Case:
     given: Mapping[str, Any] = field(default_factory=dict)
     quick: bool = True
     """Whether it is part of the quick profile."""
+    seed: int = PUBLISHED
+    """What its input is drawn from, in families that are (`draw.DRAWN`)."""
 
 
 @dataclass(frozen=True)
@@ -76,17 +80,19 @@ class Check:
     def __call__(self, subject: Subject, case: Case) -> Finding:
         """Run on one case: always a Finding, whatever the implementation does."""
         identifier = f"{self.id}[{case.id}]"
+        drawn = f" --seed {case.seed}" * (case.seed != PUBLISHED)
         blank = Finding(
             identifier,
             self.family,
             Verdict.ERROR,
             "",
             label=self.label,
-            repro=f"leakref certify TARGET --only '{identifier}' --keep FOLDER",
+            repro=f"leakref certify TARGET --only '{identifier}'{drawn} --keep FOLDER",
         )
+        identify(subject)
         subject.calls.clear()
         try:
-            with inputs.sampled(square="dy" in subject.declaration.fixed):
+            with inputs.asked(square="dy" in subject.declaration.fixed, seed=case.seed):
                 outcome = self.function(subject, case)
         except Unanswered as nothing:
             return replace(blank, verdict=nothing.verdict, message=nothing.message, calls=tuple(subject.calls))

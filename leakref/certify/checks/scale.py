@@ -8,6 +8,7 @@ from leakref.certify.checks import inputs
 from leakref.certify.checks.criteria import (
     FRACTION,
     IN_THE_MEAN,
+    answered,
     ask,
     each_method,
     in_the_mean,
@@ -52,8 +53,10 @@ def check_peak(subject: Subject, case: Case) -> Outcome:
 
     def judge(method: str) -> Outcome:
         found, there = ask(subject, cube, window, method)
-        other = subject.extract(
-            cube.surface, cube.spacing, cube.wavenumbers, window=window, method=method, scale=case.given["scale"]
+        other = answered(
+            subject.extract(
+                cube.surface, cube.spacing, cube.wavenumbers, window=window, method=method, scale=case.given["scale"]
+            )
         )
         over = np.hypot(*(other.values - found).T) / (FRACTION * cube.resolutions[0])
         known = there & unflagged(cube, window, method)

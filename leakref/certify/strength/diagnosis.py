@@ -4,7 +4,7 @@ Every fault of the list is a hypothesis. The checks that an implementation faile
 the fault, and its answers are compared with those of the implementation, one by one. The fault that reproduces them
 best is the diagnosis, if it does so to `ENOUGH` digits and clearly better than the reference without any fault. A code
 of another algorithm has digits in common with them only in checks whose answer is the same for every algorithm: if all
-that failed leads nowhere, those are compared alone. Then `_in_common` looks for a sign, an exchange of axes, a lost
+that failed leads nowhere, those are compared alone. Then `maps` looks for a sign, an exchange of axes, a lost
 component, a turn or a factor between its velocities and those of the reference. What none of this finds is
 unexplained.
 """
@@ -24,9 +24,11 @@ import numpy.typing as npt
 
 from leakref._base import FloatArray, LeakrefError
 from leakref.certify.certificate import SOUND, Certificate
+from leakref.certify.checks.draw import PUBLISHED
 from leakref.certify.checks.registry import Case, Check
 from leakref.certify.runner import select
 from leakref.certify.strength import faults
+from leakref.certify.strength.maps import MAPS, common_map
 from leakref.certify.subject.declaration import Declaration
 from leakref.certify.subject.frames import Call
 from leakref.certify.subject.inprocess import InProcess
@@ -80,8 +82,8 @@ class _Clue:
     check: Check
     case: Case
     finding: Finding
-    declared: str
-    """What the implementation offers and what it cannot be told, as JSON."""
+    asked: str
+    """What the implementation offers, what it cannot be told, and of which questions it was asked, as JSON."""
 
     @property
     def cost(self) -> float:
@@ -113,7 +115,14 @@ def _stage(finding: Finding) -> str:
 
 def explain(certificate: Certificate, *, deep: bool = False, after_each: Step = lambda: None) -> Certificate:
     """The certificate with a diagnosis of what fell short and was not known, if anything did; see `diagnose`."""
-    said = diagnose(certificate.wrong, certificate.declaration, deep=deep, after_each=after_each)
+    said = diagnose(
+        certificate.wrong,
+        certificate.declaration,
+        seed=certificate.seed,
+        golden=int(certificate.golden.removeprefix("v")),
+        deep=deep,
+        after_each=after_each,
+    )
     words = said.words + _frame(said, certificate.declaration)
     if not said.hypotheses and certificate.grade == SOUND:
         farthest = max(certificate.wrong, key=lambda f: f.over or 0.0)
@@ -135,7 +144,7 @@ def _frame(said: Diagnosis, declared: Mapping[str, Any]) -> str:
         for name, usual in (("axes", "xyt"), ("y", "up"), ("direction", "to"))
         if declared[name] != usual
     ]
-    of_frame = any(one.fault in _MAPS or one.fault == "turned" for one in said.hypotheses)
+    of_frame = any(one.fault in MAPS or one.fault == "turned" for one in said.hypotheses)
     return (
         f" (as leakref has it: axes xyt, y up, direction to; declared are {', '.join(other)})"
         if (other and of_frame)
@@ -144,29 +153,52 @@ def _frame(said: Diagnosis, declared: Mapping[str, Any]) -> str:
 
 
 def diagnose(
-    findings: Sequence[Finding], declared: Mapping[str, Any], *, deep: bool = False, after_each: Step = lambda: None
+    findings: Sequence[Finding],
+    declared: Mapping[str, Any],
+    *,
+    seed: int = PUBLISHED,
+    golden: int = 1,
+    deep: bool = False,
+    after_each: Step = lambda: None,
 ) -> Diagnosis:
     """Explain the failures among `findings`; with `deep`, pairs of faults are tried as well. Nothing failed: no words.
 
     `declared` is what the implementation says of itself (`Declaration.record`): the reference with a fault is asked for
-    no more than that, so that it is asked the same. Calls `after_each` for every fault tried.
+    no more than that, of the questions of the same `seed` and `golden` set, so that it is asked the same. Each of its
+    methods is tried for a code that names none. Calls `after_each` for every fault tried.
     """
-    declared_as = dumps({name: declared[name] for name in ("can", "fixed")}, sort_keys=True, default=list)
-    clues = _clues(findings, declared_as)
+    ways = [_asked(declared, methods, seed, golden) for methods in _methods(declared)]
+    clues = _clues(findings, ways[0])
     if not clues:
         return Diagnosis((), "")
-    for where, evidence, hypotheses in _attempts(findings, deep):
-        best, plain = _tried(_clues(evidence, declared_as), [(), *hypotheses], after_each)
-        if _explains(best, plain):
-            alike = [_hypothesis(names, digits) for names, digits in best if digits >= best[0][1] - _ALIKE]
-            return Diagnosis(tuple(alike), where + _sentence(alike))
-    rough = _in_common(clues)
-    if rough is not None:
-        digits = rough.digits or 0.0
+    for way in ways:
+        for where, evidence, hypotheses in _attempts(findings, deep):
+            best, plain = _tried(_clues(evidence, way), [(), *hypotheses], after_each)
+            if _explains(best, plain):
+                alike = [_hypothesis(names, digits) for names, digits in best if digits >= best[0][1] - _ALIKE]
+                return Diagnosis(tuple(alike), where + _sentence(alike))
+    map_ = common_map(*_velocities(clues))
+    if map_ is not None:
+        rough = Hypothesis(*map_)
+        digits = map_[2]
         same = f"equals the reference, but {rough.words}, to {digits:.0f} digits"
         like = f"like the reference, but {rough.words} (another algorithm: to {digits:.1f} digits)"
         return Diagnosis((rough,), same if digits >= ENOUGH else like)
     return Diagnosis((), "unexplained: no fault of the list reproduces these answers")
+
+
+def _methods(declared: Mapping[str, Any]) -> list[list[str]]:
+    """Methods of the reference to compare with: those that are declared, else one after the other."""
+    named = declared["can"].get("extract", {}).get("methods", ())
+    if named:
+        return [[name for name in named if name in METHODS] or list(METHODS)[:1]]
+    return [[name] for name in METHODS]
+
+
+def _asked(declared: Mapping[str, Any], methods: Sequence[str], seed: int, golden: int) -> str:
+    """How the reference is to be asked, as JSON, since results are kept by it."""
+    given = {"can": declared["can"], "fixed": declared["fixed"], "methods": methods, "seed": seed, "golden": golden}
+    return dumps(given, sort_keys=True, default=list)
 
 
 def _attempts(findings: Sequence[Finding], deep: bool) -> Iterator[tuple[str, Sequence[Finding], Iterable[_Names]]]:
@@ -185,11 +217,12 @@ def _hypothesis(names: _Names, digits: float) -> Hypothesis:
     return Hypothesis("+".join(names), " and ".join(faults.FAULTS[name].words for name in names), _shown(digits))
 
 
-def _clues(findings: Sequence[Finding], declared: str) -> list[_Clue]:
+def _clues(findings: Sequence[Finding], asked: str) -> list[_Clue]:
     """What failed, from cheap to dear, each family once before any twice."""
-    by_id = {f"{c.id}[{case.id}]": (c, case) for c, case in select()}
+    given = loads(asked)
+    by_id = {f"{c.id}[{case.id}]": (c, case) for c, case in select(seed=given["seed"], golden=given["golden"])}
     found = sorted(
-        (_Clue(*by_id[f.id], f, declared) for f in findings if f.verdict in WRONG and f.id in by_id),
+        (_Clue(*by_id[f.id], f, asked) for f in findings if f.verdict in WRONG and f.id in by_id),
         key=lambda clue: clue.cost,
     )
     rank: dict[str, int] = {}
@@ -260,19 +293,17 @@ def _implementation(names: _Names) -> Any:
 
 
 @lru_cache(maxsize=4096)
-def _replayed(identifier: str, names: _Names, declared: str) -> tuple[Finding, tuple[Call, ...]]:
+def _replayed(identifier: str, names: _Names, asked: str) -> tuple[Finding, tuple[Call, ...]]:
     """What a check finds of the reference with faults, offering no more than is declared, and the answers it had."""
-    ((check, case),) = select([identifier])
+    given = loads(asked)
+    ((check, case),) = select([identifier], seed=given["seed"], golden=given["golden"])
     subject = InProcess(_implementation(names))
-    own, theirs = subject.declaration, Declaration(**loads(declared))
-    asked = {
-        "methods": [m for m in theirs.methods if m in METHODS] or list(METHODS)[:1],
-        "windows": list(theirs.windows) if theirs.tapers else [],
-    }
+    own, theirs = subject.declaration, Declaration(can=given["can"])
+    offered = {"methods": given["methods"], "windows": list(theirs.windows) if theirs.tapers else []}
     subject.declaration = replace(
         own,
-        fixed=("dy",) if "dy" in theirs.fixed else (),  # the same pixels
-        can={**own.can, "extract": {**own.can["extract"], **asked}},
+        fixed=("dy",) if "dy" in given["fixed"] else (),  # the same pixels
+        can={**own.can, "extract": {**own.can["extract"], **offered}},
     )
     finding = check(subject, case)
     return replace(finding, calls=()), tuple(subject.calls)
@@ -281,7 +312,7 @@ def _replayed(identifier: str, names: _Names, declared: str) -> tuple[Finding, t
 def _agreement(clue: _Clue, names: _Names) -> list[float]:
     """Digits to which a hypothesis gives the answers of a clue; beyond those of float64 for what is no number."""
     theirs = clue.finding
-    finding, calls = _replayed(theirs.id, names, clue.declared)
+    finding, calls = _replayed(theirs.id, names, clue.asked)
     in_words = theirs.family == "behaviour" or not theirs.calls
     if (names or in_words) and finding.verdict is not theirs.verdict:  # the reference is compared by its numbers alone
         return [0.0]
@@ -321,74 +352,11 @@ def _fitted(a: npt.NDArray[Any], b: npt.NDArray[Any]) -> npt.NDArray[Any]:
     return b * (np.vdot(b, a) / power) if power else b
 
 
-# ---------------------------------------------------------------- what another algorithm has in common
-
-_MAPS: dict[str, tuple[str, list[list[float]]]] = {
-    "": ("", [[1, 0], [0, 1]]),
-    "negated-current": ("negated", [[-1, 0], [0, -1]]),
-    "flipped-x": ("with the x component of the wrong sign", [[-1, 0], [0, 1]]),
-    "flipped-y": ("with the y component of the wrong sign", [[1, 0], [0, -1]]),
-    "exchanged-axes": ("with x and y exchanged", [[0, 1], [1, 0]]),
-    "quarter-turn": ("turned by a quarter turn", [[0, -1], [1, 0]]),
-    "quarter-turn-back": ("turned back by a quarter turn", [[0, 1], [-1, 0]]),
-    "exchanged-and-negated": ("with x and y exchanged, and negated", [[0, -1], [-1, 0]]),
-    "lost-x": ("without an x component", [[0, 0], [0, 1]]),
-    "lost-y": ("without a y component", [[1, 0], [0, 0]]),
-}
-_NEAR = 0.35  # part of the velocities that may be left over
-_BETTER = 0.7  # how much less a turn by any angle must leave over than the best of the maps above
-_FACTOR = 0.15  # that a factor may differ from one
-
-
-def _in_common(clues: Sequence[_Clue]) -> Hypothesis | None:
-    """A linear map between the velocities of the implementation and of the reference, if one is common to them."""
-    mine, true, scales = _velocities(clues)
-    if len(mine) < 2 or np.linalg.matrix_rank(true, tol=0.1 * np.abs(true).max()) < 2:
-        return None
-    maps = {name: (words, true @ np.array(matrix).T) for name, (words, matrix) in _MAPS.items()}
-    rest, name = min((_left_over(mine, mapped), name) for name, (_, mapped) in maps.items())
-    angle = float(np.angle(np.sum((mine @ [1, 1j]) * (true @ [1, -1j]))))
-    c, s = np.cos(angle), np.sin(angle)
-    turned = true @ np.array([[c, s], [-s, c]])
-    if _left_over(mine, turned) < _BETTER * rest:
-        rest, name = _left_over(mine, turned), "turned"
-        maps[name] = f"turned by {np.degrees(angle):.0f} degrees", turned
-    words, mapped = maps[name]
-    factor = _factor(mine, mapped)
-    each = {scale: _factor(mine[scales == scale], mapped[scales == scale]) for scale in np.unique(scales)}
-    if max(each.values()) - min(each.values()) > _FACTOR * factor:
-        rest = _left_over(mine, mapped * np.array([each[scale] for scale in scales])[:, None])
-        said = ", ".join(f"{value:.2f} at {scale:g}" for scale, value in each.items())
-        name, words = (
-            "scale-dependent",
-            (
-                f"{words} and times a factor that depends on the scale of the sea: {said} "
-                "times the usual peak wavenumber"
-            ).removeprefix(" and "),
-        )
-    elif abs(factor - 1) >= min(_FACTOR, 1e-3 + 3 * rest):
-        name, words = name or "factor", f"{words} and times {factor:.3g}".removeprefix(" and ")
-    if rest > _NEAR or not name:
-        return None
-    return Hypothesis(name, words, round(float(-np.log10(max(rest, 10**-_FULL))), 1))
-
-
-def _factor(mine: FloatArray, mapped: FloatArray) -> float:
-    """By which `mapped` (m, 2) comes nearest to `mine` (m, 2), not below zero."""
-    return max(float(np.sum(mapped * mine) / (np.sum(mapped**2) or 1.0)), 0.0)
-
-
-def _left_over(mine: FloatArray, mapped: FloatArray) -> float:
-    """Part of `mine` (m, 2) that no multiple of `mapped` (m, 2) explains."""
-    rest = mine - _factor(mine, mapped) * mapped
-    return float(np.sqrt(np.sum(rest**2) / (np.sum(mine**2) or 1.0)))
-
-
 def _velocities(clues: Sequence[_Clue]) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Velocities of the implementation and of the reference for the same questions, (m, 2) each, and scales (m,)."""
     mine, true, scales = [np.empty((0, 2))], [np.empty((0, 2))], [np.empty(0)]
     for clue in clues:
-        _, calls = _replayed(clue.finding.id, (), clue.declared)
+        _, calls = _replayed(clue.finding.id, (), clue.asked)
         for a, b in zip(clue.finding.calls, calls, strict=False):
             if a.stage == b.stage == "extract" and a.answer.shape == b.answer.shape:
                 use = np.isfinite(a.answer).all(axis=1) & (np.hypot(*b.answer.T) > _FLOOR)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, as_completed
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -20,13 +20,13 @@ import numpy as np
 from leakref import kept, runs, sources
 from leakref._output import dump, envelope, folder, plain, progress_bar, write_whole
 from leakref.certify.checks.criteria import NEVER
+from leakref.certify.checks.draw import DRAWN, PUBLISHED
 from leakref.certify.checks.registry import FAMILIES, Case, Check
 from leakref.certify.runner import select
 from leakref.certify.strength import faults, variants
 from leakref.certify.strength.alarms import errors_of, false_alarms, seas
 from leakref.certify.strength.fault import Fault
 from leakref.certify.strength.faults import FAULTS
-from leakref.certify.strength.fresh import fresh
 from leakref.certify.strength.variants import VARIANTS
 from leakref.certify.subject.inprocess import InProcess
 from leakref.certify.verdict import WRONG, Finding, Verdict
@@ -35,16 +35,18 @@ from leakref.golden.sets import locate
 
 __all__ = ["DISTINCT", "SEEDS", "Job", "classes", "compute", "jobs", "run", "study"]
 
-SEEDS = 200
-"""Fresh seeds of the full study, shared among the variants."""
+SEEDS = 1000
+"""Seeds of the full study other than that of the published questions, shared among the variants."""
+_TOO = 200
+"""Of them as many draw also the questions of families that a run asks as they are published."""
 DISTINCT = 10.0
 """Effect over tolerance that every fault must have on its killing input."""
-_SEEN = ("signs", "recovery", "metamorphic", "leakage", "currents", "shear", "scale")  # families that look at seas
+_SEEN = (*DRAWN, "metamorphic", "shear", "scale")  # families that look at seas
 
 
 @dataclass(frozen=True)
 class Job:
-    """A part of the study for one worker: `kind` is fault, variant or null; `seed` None is the checks' own input.
+    """A part of the study for one worker: `kind` is fault, variant or null; `seed` None are the published questions.
 
     - `id`: of the fault, the variant, or the sea of the null hypothesis.
     - `full`: for a fault, whether all quick checks are asked and not only those meant for it.
@@ -69,10 +71,11 @@ class Job:
 def jobs(*, full: bool = False) -> list[Job]:
     """What there is to do, in the order in which it is reported.
 
-    Faults first, then variants on the checks' own inputs; in the full study also variants on `SEEDS` fresh seeds in
+    Faults first, then variants on the published questions; in the full study also variants on `SEEDS` other seeds in
     turn, and the seas of the statistical checks.
     """
-    shared = [Job("variant", list(VARIANTS)[seed % len(VARIANTS)], seed) for seed in range(SEEDS if full else 0)]
+    seeds = range(PUBLISHED + 1, PUBLISHED + 1 + SEEDS) if full else ()
+    shared = [Job("variant", list(VARIANTS)[seed % len(VARIANTS)], seed) for seed in seeds]
     nulls = [Job("null", name) for name in seas()] if full else []
     return [
         *(Job("fault", name, full=full) for name in FAULTS),
@@ -203,18 +206,21 @@ def _families(records: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
 def variant_record(
     identifier: str, seed: int | None = None, *, make: Callable[[str], Any] = variants.implementation
 ) -> dict[str, Any]:
-    """The checks of the quick profile that a variant should pass and does not, on their own inputs or on fresh ones.
-    Those of conformance only count for variants that deserve that grade. On fresh inputs only families that look at
-    seas are asked. `seed` None is the checks' own inputs.
+    """The checks of the quick profile that a variant should pass and does not, as published or drawn from a seed.
+
+    Those of conformance only count for variants that deserve that grade. Of another `seed` than None only families that
+    look at seas are asked, for the lowest seeds also those that a run does not draw.
     """
     exact = VARIANTS[identifier].grade == "conformant" if identifier in VARIANTS else False
     if seed is None:
         pairs = [pair for pair in select(profile="quick") if exact or pair[0].family != "conformance"]
         found = [check(InProcess(make(identifier)), case) for check, case in pairs]
     else:
-        pairs = [pair for pair in select(profile="quick") if pair[0].family in _SEEN]
-        with fresh(seed):
-            found = [check(InProcess(make(identifier)), case) for check, case in pairs]
+        families = _SEEN if seed <= PUBLISHED + _TOO else DRAWN
+        pairs = [
+            (check, replace(case, seed=seed)) for check, case in select(profile="quick") if check.family in families
+        ]
+        found = [check(InProcess(make(identifier)), case) for check, case in pairs]
     wrong = [f for f in found if f.verdict in WRONG]
     return {
         "id": identifier,

@@ -41,7 +41,7 @@ _POLL = 0.05  # seconds between two looks at the memory
 _GRACE = 2.0  # seconds to end after `stop`
 _PATIENCE = 60.0  # seconds for the guardian to be there, on a busy machine
 _ROUNDS = 60  # of killing what is left: it may fork while it is looked for
-_MARK = "LEAKREF_EXCHANGE"  # in the environment: handed down to whatever it starts, in whatever session
+_MARK = "SESSION_FILES"  # in the environment: handed down to whatever it starts; not to tell that this is a test
 
 
 class Breach(Unanswered):
@@ -110,7 +110,8 @@ class Child:
             stderr=subprocess.PIPE,
             bufsize=0,
             cwd=folder,
-            env={**os.environ, _MARK: self._mark},
+            env={name: value for name, value in os.environ.items() if not name.startswith("PYTEST_")}
+            | {_MARK: self._mark},
             **group,
             **how,
         )

@@ -93,8 +93,8 @@ class Declaration:
 
     @property
     def methods(self) -> tuple[str, ...]:
-        """Extractions offered; the first is its main one. `nsp` if it says nothing."""
-        return tuple(self.can.get("extract", {}).get("methods", ("nsp",)))
+        """Methods it names; the first is its main one. None where it says nothing (see `Subject.methods`)."""
+        return tuple(self.can.get("extract", {}).get("methods", ()))
 
     @property
     def windows(self) -> tuple[str, ...]:

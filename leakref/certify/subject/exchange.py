@@ -63,7 +63,7 @@ class Exchange:
 
     def __init__(self, keep: Path | None = None) -> None:
         self._kept = keep is not None
-        self.folder = Path(tempfile.mkdtemp(prefix="leakref-", dir=folder(keep) if keep else None)).resolve()
+        self.folder = Path(tempfile.mkdtemp(dir=folder(keep) if keep else None)).resolve()
         self._known: set[Path] = set()
         self._inputs: dict[Path, Seen] = {}
         self._format = ""

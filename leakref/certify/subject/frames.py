@@ -18,16 +18,19 @@ from leakref._base import FloatArray
 from leakref.certify.subject.declaration import Declaration
 from leakref.certify.verdict import Unanswered, Verdict
 from leakref.dispersion import DEEP, Water
+from leakref.methods import METHODS
 from leakref.sea import Components
 from leakref.window import WINDOWS
 from leakref.window import window as named_window
 
-__all__ = ["GRAVITY", "PEAK", "Call", "Subject", "Velocities"]
+__all__ = ["GRAVITY", "OWN", "PEAK", "Call", "Subject", "Velocities"]
 
 PEAK = 0.25
 """rad/m: the peak wavenumber at which an implementation in metres and seconds is shown the scaled seas; 25 m waves."""
 GRAVITY = 9.81
 """In m/s2, for a code in SI."""
+OWN = "own"
+"""Stands for the method of a code that names none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,15 +75,25 @@ class Subject:
         """What it did that it must not, such as altering its input; a check of behaviour reads it."""
         self.calls: list[Call] = []
         """Answers since the running check began."""
+        self.reproduces = ""
+        """Of a code that names no method: which of the reference's it turned out to be, or `OWN` (see `identity`)."""
+        self.scales: set[float] = set()
+        """Those at which it has answered, and `fastest`, in c0, what it was asked for: the scope of the certificate."""
+        self.fastest = 0.0
 
     def _work(self, stage: str, arrays: dict[str, Any], parameters: dict[str, Any]) -> Mapping[str, Any]:
         raise NotImplementedError
 
+    @property
+    def methods(self) -> tuple[str, ...]:
+        """The methods it is judged by: those it names, or of one that names none what it turned out to be."""
+        return self.declaration.methods or (self.reproduces or OWN,)
+
     def offers(self, stage: str, **asked: str) -> bool:
         """Whether it offers a stage, with this `window`, `method` or window `name`.
 
-        For `extract` the window must be one of `Declaration.windows` and the method one of `Declaration.methods`; what
-        is not asked about is taken to be offered.
+        For `extract` the window must be one of `Declaration.windows` and the method one of `methods`; what is not asked
+        about is taken to be offered.
         """
         can = self.declaration.can.get(stage)
         if can is None:
@@ -88,7 +101,7 @@ class Subject:
         if stage == "extract":
             return (
                 asked.get("window", self.declaration.windows[0]) in self.declaration.windows
-                and asked.get("method", self.declaration.methods[0]) in self.declaration.methods
+                and asked.get("method", self.methods[0]) in self.methods
             )
         offered = can.get("windows" if stage == "spectrum" else "names", tuple(WINDOWS))
         return all(value in offered for value in asked.values())
@@ -151,8 +164,9 @@ class Subject:
     ) -> Velocities:
         """Velocities (n, 2) at `wavenumbers` (n,), all in scaled units. Raises Unanswered.
 
-        A number that is not finite is a failure; one that is declined is NaN here, and all declined is a failure. With
-        `raw` the surface is handed over as it is, whatever it holds, and what comes back is only converted.
+        A number that is not finite is a failure; one that is declined is NaN here, and all declined is no answer
+        (missing). With `raw` the surface is handed over as it is, whatever it holds, and what comes back is only
+        converted.
 
         `surface` is (nx, ny, nt) in units of `1 / k0`, `spacing` (dx, dy, dt) in `1 / k0` and `1 / omega0`. `method` is
         its main one unless given. `scale` shows the same sea with its peak elsewhere (`units`). A code that tapers
@@ -162,7 +176,7 @@ class Subject:
         counts as declined. A band's single answer is repeated for each.
         """
         d = self.declaration
-        method = method or d.methods[0]
+        method = method or self.methods[0]
         self._require("extract", window=window, method=method)
         asked = np.atleast_1d(np.asarray(wavenumbers, dtype=np.float64))
         if not d.tapers and window != "box":
@@ -176,7 +190,7 @@ class Subject:
             "gravity": gravity,
             "wavenumbers": (asked / length).tolist(),
             "window": window if d.tapers else "box",
-            "method": method,
+            "method": method if d.methods else next(iter(METHODS)),  # one that names none may have to be told one
         }
         answer = self._work("extract", arrays, parameters)
         rows, at = _rows(answer, asked / length, d)
@@ -188,6 +202,9 @@ class Subject:
         if d.direction == "from":
             values *= -1
         found = _matched(asked, values, None if at is None else at * length, steps, surface.shape, length, d)
+        if found.declined.all() and not raw:
+            raise Unanswered(Verdict.MISSING, f"gave no velocity at any of {asked.size} wavenumbers")
+        self.scales.add(scale)
         self._kept(
             "extract",
             {"shape": surface.shape, "wavenumbers": asked, "window": window, "method": method, "scale": scale},
@@ -325,7 +342,7 @@ def _numbers(given: Any) -> FloatArray | None:
 
 def _refuse_bad(found: FloatArray) -> None:
     """Infinite stands for NaN or infinity in the answer (see `_rows`), NaN for what was declined: the first is a
-    failure, and so is it to decline everything.
+    failure.
     """
     if (bad := np.isinf(found).any(axis=1)).any():
         raise Unanswered(
@@ -333,8 +350,6 @@ def _refuse_bad(found: FloatArray) -> None:
             f"{int(bad.sum())} of {len(found)} velocities are NaN or infinite; where there "
             "is no number the answer is null (in Python None, or a masked row)",
         )
-    if np.isnan(found).all():
-        raise Unanswered(Verdict.FAIL, f"declined all {len(found)} velocities")
 
 
 def _matched(

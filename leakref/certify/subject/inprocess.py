@@ -33,7 +33,7 @@ class Implementation(Protocol):
     - `spectrum(surface, spacing, window=)`: S or its magnitude, of the shape of the surface.
     - `extract(surface, spacing, wavenumbers, ...)`: velocities (n, 2), None or a masked row where there is no number.
 
-    Arrays come in the units and the frame that it declares. NotImplementedError says that it does not offer something.
+    Arrays come in the units and the frame that it declares. NotImplementedError refuses what was offered: `missing`.
     """
 
     def describe(self) -> Mapping[str, object]: ...
@@ -76,7 +76,7 @@ class InProcess(Subject):
             ]
             return answer
         except NotImplementedError as error:
-            raise Unanswered(Verdict.UNSUPPORTED, str(error) or f"{stage} is not implemented") from error
+            raise Unanswered(Verdict.MISSING, f"refused: {str(error) or f'{stage} is not implemented'}") from error
         except Unanswered:
             raise
         except Exception as error:
@@ -103,8 +103,8 @@ def describe(given: dict[str, Any], calls: Mapping[str, Callable[..., Any]], nam
     """What an object says of itself, completed by what its signatures show: keywords that are lacking are fixed.
 
     `given` is what its `describe()` returned, `calls` the stages from `offer`, `name` what it is called if it does not
-    say. A stage that it declares and does not have is dropped. An `extract` without a `window` keyword tapers nothing,
-    one without `method` has one method, taken for `nsp`. Raises Unanswered as `Declaration.read` does.
+    say. A stage that it declares and does not have is dropped. An `extract` without a `window` keyword tapers nothing.
+    Raises Unanswered as `Declaration.read` does.
     """
     can = {stage: dict(given.get("can", {}).get(stage, {})) for stage in calls if stage in given.get("can", calls)}
     fixed = list(given.get("fixed", ()))
@@ -114,8 +114,6 @@ def describe(given: dict[str, Any], calls: Mapping[str, Callable[..., Any]], nam
         fixed += [key for key in lacking if key not in fixed]
         if "window" in lacking:
             can["extract"].setdefault("windows", [])
-        if "method" in lacking:
-            can["extract"].setdefault("methods", ["nsp"])
     return Declaration.read({"name": name, **given, "fixed": fixed, "can": can})
 
 

@@ -310,7 +310,7 @@ class ProcessSubject(Subject):
         if status == "error":
             self._exchange.check_space()
         if status == "unsupported":
-            raise Unanswered(Verdict.UNSUPPORTED, message)
+            raise Unanswered(Verdict.MISSING, f"refused: {message}")  # though it was declared
         if status != "ok":
             raise Unanswered(
                 Verdict.ERROR,
