@@ -39,15 +39,10 @@ _PAGES = Environment(
 _SCHEMA = "leakref/certify/1"
 _REMEDY = "name a certificate.json that `leakref certify --report` wrote"
 _COVERAGE = ("asked", "judged", "missing", "unsupported")
-_LATER: dict[str, Any] = {  # what newer certificates say besides; an older one lacks it
+_LATER = {"grade_line", "coverage", "scope", "seed", "date", "complete", "cut_short"}
+"""What certificates of an earlier leakref lack."""
+_WORDS = {  # what is shown of them besides, and is not in their schema
     "declaration": {"properties": {name: {"type": "string"} for name in ("name", "version")}},
-    "grade_line": {"type": "string"},
-    "coverage": {"required": [*_COVERAGE], "properties": {key: {"type": "integer"} for key in _COVERAGE}},
-    "scope": {"properties": {"words": {"type": "string"}}},
-    "seed": {"type": ["integer", "null"]},
-    "date": {"type": "string"},
-    "complete": {"type": "boolean"},
-    "cut_short": {"type": "string"},
     "known": {"items": {"properties": {name: {"type": "string"} for name in ("id", "reason", "issue")}}},
 }
 _NOT_SAID = "not said"
@@ -75,6 +70,11 @@ class Cell:
     others: int = 0
 
     @property
+    def judged(self) -> int:
+        """Findings that say something of the code."""
+        return self.held + self.wrong
+
+    @property
     def kind(self) -> str:
         """In one word, for the colour and the mark: `asked-not`, `offered-not`, `wrong`, `missing` or `held`."""
         if not self.asked:
@@ -85,14 +85,13 @@ class Cell:
 
     @property
     def words(self) -> str:
-        """In short. Counts are of what the code offers."""
-        judged = self.asked - self.unsupported
+        """In short."""
         return {
             "asked-not": "not asked",
             "offered-not": "not offered",
-            "wrong": f"{self.wrong} of {judged} wrong",
-            "missing": f"{self.missing} of {judged} missing",
-            "held": f"all {judged} held" if judged > 1 else "held",
+            "wrong": f"{self.wrong} of {self.judged} wrong",
+            "missing": f"{self.missing} of {self.asked - self.unsupported} missing",
+            "held": f"all {self.held} held" if self.held > 1 else "held",
         }[self.kind]
 
     @property
@@ -147,7 +146,7 @@ class Code:
     def coverage(self) -> dict[str, int]:
         """How many questions were `asked`, `judged`, `missing` and `unsupported`, counted here where it is not said."""
         all_ = self.cell()
-        counted = (all_.asked, all_.asked - all_.unsupported, all_.missing, all_.unsupported)
+        counted = (all_.asked, all_.judged, all_.missing, all_.unsupported)
         said = self.record.get("coverage") or dict(zip(_COVERAGE, counted, strict=True))
         return {name: said[name] for name in _COVERAGE}
 
@@ -218,8 +217,9 @@ def _clean(value: Any) -> Any:
 
 def _faults(record: Mapping[str, Any]) -> Iterator[str]:
     """What is amiss with a certificate, in words: its form first, on which all else relies."""
-    form = {"allOf": [schema(), {"properties": _LATER}]}
-    for error in Draft202012Validator(form).iter_errors(record):
+    form = schema()
+    form["required"] = [name for name in form["required"] if name not in _LATER]
+    for error in Draft202012Validator({"allOf": [form, {"properties": _WORDS}]}).iter_errors(record):
         yield f"{error.json_path.removeprefix('$').removeprefix('.') or 'it'}: {error.message}"
     for f in record["findings"]:
         if f["id"].partition(".")[0] != f["family"]:
@@ -281,8 +281,7 @@ def unlike(codes: Sequence[Code]) -> list[str]:
         )
     for code in codes:
         if code.record.get("complete") is False or code.record.get("cut_short"):
-            why = code.record.get("cut_short") or "why is not said"
-            found.append(f"The run of {code.label} was cut short ({why}): what it had not been asked by then is open.")
+            found.append(f"The run of {code.label} was cut short: {code.setting('cut_short')}.")
     return found
 
 
