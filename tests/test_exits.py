@@ -320,6 +320,7 @@ def test_a_history_of_any_form_is_judged_or_not_and_never_breaks(field, action, 
 
 COMMANDS = [
     ["certify", "fault:nothing"],
+    ["compare", "nothing.json", "nothing.json", "--out", "x"],
     ["strength", "--workers", "x"],
     ["scaffold", "cobol", "."],
     ["explain", "nonsense"],

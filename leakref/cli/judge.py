@@ -10,7 +10,7 @@ import typer
 
 from leakref.cli.base import JUDGE, GoldenNumber, Json, StartTimeout, Timeout, Workers, command
 
-__all__ = ["certify", "explain", "guide", "scaffold", "strength"]
+__all__ = ["certify", "compare", "explain", "guide", "scaffold", "strength"]
 
 
 @command(JUDGE)
@@ -73,6 +73,20 @@ def certify(
         ),
         json=json,
     )
+
+
+@command(JUDGE)
+def compare(
+    certificates: Annotated[
+        list[Path], typer.Argument(metavar="CERTIFICATE", help="Two or more files certificate.json.")
+    ],
+    out: Annotated[Path, typer.Option(help="Folder for the page, comparison.html.")],
+    json: Json = False,
+) -> bool:
+    """Certificates side by side: a page of which code holds where, and in what they differ."""
+    from leakref.certify.comparison import run
+
+    return run(certificates, out, json=json)
 
 
 @command(JUDGE)
