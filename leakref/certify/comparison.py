@@ -387,7 +387,7 @@ def _print(codes: Sequence[Code], place: Path) -> None:
     colour = {"held": "green", "wrong": "red", "missing": "yellow", "offered-not": "dim", "asked-not": "dim"}
     for code in codes:
         table.add_column(escape(code.label), overflow="fold")
-    table.add_row("grade", *(code.grade for code in codes), end_section=True)
+    table.add_row("grade", *(code.grade_line for code in codes), end_section=True)
     for family in FAMILIES:
         cells = [code.cell(family) for code in codes]
         if any(cell.asked for cell in cells):

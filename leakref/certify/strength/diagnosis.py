@@ -124,7 +124,7 @@ def explain(certificate: Certificate, *, deep: bool = False, after_each: Step = 
         after_each=after_each,
     )
     words = said.words + _frame(said, certificate.declaration)
-    if not said.hypotheses and certificate.grade == SOUND:
+    if not said.hypotheses and certificate.wrong and certificate.grade == SOUND:
         farthest = max(certificate.wrong, key=lambda f: f.over or 0.0)
         words = (
             f"another algorithm: it differs from the golden values as no fault of the list does, most in {farthest.id}"
