@@ -102,14 +102,14 @@ def test_who_offers_no_velocities_is_graded_as_that_and_no_more():
     refused = [finding("conformance", PASS, "hann"), *some("synthesis", 1, 2)]
     two = certificate(*refused, can={"can": {"window": {}, "synthesize": {}}})
     assert (two.grade, two.status) == (None, 3)  # half of what it offers, of each family
-    assert two.grade_line == "not judged, window and synthesize only, 2 of 4 questions"
+    assert two.grade_line == "no grade, window and synthesize only, 2 of 4 questions"
     assert "1 of 3 in synthesis" in sentence(two)
 
 
 def test_the_grade_of_some_checks_says_so():
     found = certificate(SIGN, only=("signs", "scale.peak"))
     assert (found.grade, found.status) == ("sound", 0)
-    assert found.grade_line == "sound, of what was asked by --only signs scale.peak, 1 of 1 questions"
+    assert found.grade_line == "sound, asked only signs, scale.peak, 1 of 1 questions"
     assert "compared with no golden value" in sentence(found)
 
 
@@ -118,12 +118,12 @@ def test_the_scope_is_what_was_answered():
     assert si.scope()["peak_wavelengths"] == pytest.approx([2 * 3.141592653589793 / 0.25 / 4, 16 * 25.132741228718345])
     assert si.scope()["fastest_current"] == pytest.approx(0.75 * (9.81 / 0.25) ** 0.5)
     assert si.scope()["words"] == (
-        "Deep water, no surface tension, linear waves of 25.1 m (in the family scale 6.28 to 402 m), "
-        "one current in the picture, of 4.7 m/s at most; windows box, hann; method nsp."
+        "Deep water, no surface tension, linear waves 25.1 m long (in the family scale 6.28 to 402 m), "
+        "one current in the picture, uniform or changing with depth, of 4.7 m/s at most; windows box, hann; method nsp."
     )
     assert (si.scope()["seed"], si.scope()["golden"], si.scope()["depth"]) == (5, "v1", "deep")
     scaled = replace(si, declaration={**si.declaration, "units": "scaled"}, methods=("own",), scales=(1.0,))
-    assert "scaled units, one current in the picture, of 0.75 c0 at most" in scaled.scope()["words"]
+    assert "of 0.75 c0 (c0: phase speed of the peak) at most" in scaled.scope()["words"]
     assert scaled.scope()["words"].endswith("; no method named, so held to no digits (declare nsp or ls to be).")
 
 

@@ -60,7 +60,7 @@ def project(tmp_path_factory):
         (("--command", "no-such-program-here"), 2, "no-such-program-here"),
         (("reference", "--only", "scale.peak[quarter]"), 3, "Nothing to run"),
         (("odd:Empty", "--only", "signs"), 3, "offers none of"),
-        (("odd:Windows", "--only", "signs"), 3, "not judged"),
+        (("odd:Windows", "--only", "signs"), 3, "no grade"),
     ],
 )
 def test_wrong_use_and_nothing_to_judge_are_told_apart(project, words, status, said):
@@ -255,7 +255,7 @@ def test_a_diagnosis_that_is_interrupted_leaves_the_findings(monkeypatch, capsys
         commands.run(commands.Request("fault:flipped-y", None, only=["signs.sea[to-22.5]"]))
     shown = capsys.readouterr()
     assert "Cut short" in shown.err
-    assert "rejected, of what was asked by --only signs.sea[to-22.5], 1 of 1 questions" in shown.out
+    assert "rejected, asked only signs.sea[to-22.5], 1 of 1 questions" in shown.out
 
 
 def test_a_diagnosis_can_be_done_without(monkeypatch, capsys):

@@ -223,11 +223,11 @@ class Certificate:
     def grade_line(self) -> str:
         """The grade with what it rests on, as in "conformant, window only, 3 of 124 questions"."""
         stages = list(self.declaration.get("can", {}))
-        words = [self.grade or "not judged"]
+        words = [self.grade or "no grade"]
         if stages and not self.offers("extract"):
             words.append(f"{' and '.join(stages)} only")
         if self.only:
-            words.append(f"of what was asked by --only {' '.join(self.only)}")
+            words.append(f"asked only {', '.join(self.only)}")
         if known := len(self.wrong) - len(self.unexpected):
             words.append(f"known: {known}")
         return ", ".join([*words, f"{len(self.judged)} of {len(self.findings)} questions"])
@@ -280,14 +280,15 @@ def _in_words(scope: Mapping[str, Any], si: bool) -> str:
         return f"No velocity was judged; offered: {told}."
     short, long = scope["peak_wavelengths"]
     if si:
-        waves, other = f"linear waves of {2 * np.pi / PEAK:.3g} m", f"{short:.3g} to {long:.3g} m"
+        waves, other = f"linear waves {2 * np.pi / PEAK:.3g} m long", f"{short:.3g} to {long:.3g} m"
     else:
         waves, other = (
-            "linear waves in scaled units",
+            "linear waves (scaled units)",
             f"{short / 2 / np.pi:.2g} to {long / 2 / np.pi:.2g} times as long",
         )
     waves += f" (in the family scale {other})" * (short < long)
-    current = f"one current in the picture, of {scope['fastest_current']:.2g} {scope['units'][1]} at most"
+    speed = f"{scope['fastest_current']:.2g} {scope['units'][1]}" + " (c0: phase speed of the peak)" * (not si)
+    current = f"one current in the picture, uniform or changing with depth, of {speed} at most"
     return f"Deep water, no surface tension, {waves}, {current}; {'; '.join(asked)}."
 
 

@@ -133,8 +133,8 @@ class Code:
 
     @property
     def grade(self) -> str:
-        """In a word, `not judged` where there is none."""
-        return str(self.record["grade"] or "not judged")
+        """In a word, `no grade` where there is none."""
+        return str(self.record["grade"] or "no grade")
 
     @property
     def grade_line(self) -> str:
@@ -311,7 +311,7 @@ def page(codes: Sequence[Code]) -> str:
         settings=_settings(codes[0]),
         count=sum(len(family["ids"]) for family in families),
         offered=sum(len(family["offered"]) for family in families),
-        grades=[CONFORMANT, SOUND, REJECTED, "not judged"],  # in this order they are sorted
+        grades=[CONFORMANT, SOUND, REJECTED, "no grade"],  # in this order they are sorted
         version=__version__,
     )
 

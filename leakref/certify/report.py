@@ -7,6 +7,7 @@ and what did. The module computes nothing that is not in the certificate.
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -26,7 +27,7 @@ __all__ = ["badge", "page", "sentence"]
 _PAGES = Environment(
     loader=PackageLoader("leakref.certify", "pages"), autoescape=True, undefined=StrictUndefined, trim_blocks=True
 )
-_COLOURS = {"conformant": "#00695c", "sound": "#00695c", "rejected": "#b3261e", "not judged": "#8a6100"}
+_COLOURS = {"conformant": "#00695c", "sound": "#00695c", "rejected": "#b3261e", "no grade": "#8a6100"}
 _MOST = 12  # wavenumbers in a drawing
 
 
@@ -45,10 +46,12 @@ def sentence(certificate: Certificate) -> str:
         return "Nothing that was asked is offered." if not missing else "It answered nothing of what it offers."
     if certificate.thin:
         told = ", ".join(f"{judged} of {admitted} in {family}" for family, judged, admitted in certificate.thin)
-        return f"Too little was answered of what it offers: {told}, and half is the least."
-    refused = f" {missing} that it offers to answer it did not." if missing else ""
+        return f"Too little was answered of what it offers: {told}. Of each at least half must be."
+    refused = f" To {missing} it gave no answer, though it offers one." if missing else ""
     if certificate.grade == CONFORMANT:
-        return "It answered all it offers to answer as the reference chain does."
+        rest = certificate.coverage["unsupported"]
+        more = f"; {rest} are about what it does not offer" if rest else ""
+        return f"All {n} that were judged agree with the reference{more}." if n > 1 else "It agrees with the reference."
     if any(f.family == "conformance" for f in certificate.wrong):
         return f"Another algorithm than the reference, and right wherever any algorithm must be.{refused}"
     compared = any(f.family == "conformance" for f in certificate.judged)
@@ -80,6 +83,7 @@ def page(certificate: Certificate, pictures: Sequence[Mapping[str, str]] = ()) -
         findings=rows,
         verdicts=[str(v) for v in Verdict if str(v) in certificate.counts],
         declared=list(_declared(certificate.declaration)),
+        again=_again(certificate),
     )
 
 
@@ -88,8 +92,17 @@ def badge(certificate: Certificate) -> str:
 
     Its width follows the length of the words. The text of the file is returned.
     """
-    line, colour = certificate.grade_line, _COLOURS[certificate.grade or "not judged"]
+    line, colour = certificate.grade_line, _COLOURS[certificate.grade or "no grade"]
     return _PAGES.get_template("badge.svg").render(grade=line, width=62 + round(6.4 * len(line)), colour=colour)
+
+
+def _again(certificate: Certificate) -> str:
+    """The command that repeats the run, as far as the target says how it is reached."""
+    only = "".join(f" --only {shlex.quote(one)}" for one in certificate.only)
+    return (
+        f"leakref certify {shlex.quote(certificate.target)}{only} --profile {certificate.profile} "
+        f"--golden {certificate.golden.removeprefix('v')} --seed {certificate.seed}"
+    )
 
 
 def _declared(said: Mapping[str, Any]) -> Iterator[tuple[str, str]]:

@@ -25,7 +25,7 @@ FAMILIES = {
     "metamorphic": "Metamorphic relations: a changed input changes the answer in a known way.",
     "leakage": "Leakage at zero current: what is measured in still water.",
     "currents": "Strong and opposing currents, up to where omega0 + k.U is negative.",
-    "shear": "Sheared currents: each wavenumber sees a depth-weighted current of its own (eq:SJ).",
+    "shear": "Sheared currents: each wavenumber sees a depth-weighted current of its own.",
     "scale": "Scale invariance: the same sea, larger or smaller, has the same current in units of c0.",
     "synthesis": "Energy and statistics of a synthesised surface.",
     "conformance": "Conformance to the golden values, stage by stage.",

@@ -18,7 +18,6 @@ from leakref._base import FloatArray
 from leakref.certify.subject.declaration import Declaration
 from leakref.certify.verdict import Unanswered, Verdict
 from leakref.dispersion import DEEP, Water
-from leakref.methods import METHODS
 from leakref.sea import Components
 from leakref.window import WINDOWS
 from leakref.window import window as named_window
@@ -31,6 +30,7 @@ GRAVITY = 9.81
 """In m/s2, for a code in SI."""
 OWN = "own"
 """Stands for the method of a code that names none."""
+_ASKED = "nsp"  # of such a code, since it may have to be told something (guide protocol, section 3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,7 +190,7 @@ class Subject:
             "gravity": gravity,
             "wavenumbers": (asked / length).tolist(),
             "window": window if d.tapers else "box",
-            "method": method if d.methods else next(iter(METHODS)),  # one that names none may have to be told one
+            "method": method if d.methods else _ASKED,
         }
         answer = self._work("extract", arrays, parameters)
         rows, at = _rows(answer, asked / length, d)
