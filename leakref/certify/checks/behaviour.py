@@ -129,9 +129,9 @@ def check_order(subject: Subject, case: Case) -> Outcome:
     def judge(method: str) -> Outcome:
         found, there = ask(subject, cube, window, method)
         part = Cube(cube.components, cube.grid, cube.wavenumbers[order], cube.current)
-        again = answered(
-            subject.extract(cube.surface, cube.spacing, part.wavenumbers, window=window, method=method)
-        ).values
+        other = subject.extract(cube.surface, cube.spacing, part.wavenumbers, window=window, method=method)
+        answered(subject, other)
+        again = other.values
         over = np.hypot(*(again - found[order]).T) / (FRACTION * part.resolutions[0])
         return verdict(np.where(there[order], over, np.nan), part, again, found[order])
 

@@ -117,22 +117,37 @@ def each_method(subject: Subject, judge: Callable[[str], Outcome], without: tupl
             Verdict.UNSUPPORTED,
             f"offers no method but {', '.join(subject.methods)}, which this does not hold for",
         )
-    return worst({method: judge(method) for method in methods})
+    outcomes, missing = {}, None
+    for method in methods:
+        try:
+            outcomes[method] = judge(method)
+        except Unanswered as nothing:
+            if nothing.verdict is not Verdict.MISSING:
+                raise
+            missing = nothing
+    found = worst(outcomes) if outcomes else None
+    if missing is not None and (found is None or found.over <= 1):
+        raise missing  # a mistake of another method weighs more
+    assert found is not None
+    return found
 
 
 def ask(subject: Subject, cube: Cube, window: str, method: str) -> tuple[FloatArray, npt.NDArray[np.bool_]]:
     """Velocities (n, 2) of a cube at its wavenumbers, and which of them were answered (n,)."""
     found = subject.extract(cube.surface, cube.spacing, cube.wavenumbers, window=window, method=method)
     subject.fastest = max(subject.fastest, float(np.hypot(*cube.truth.T).max()))
-    return answered(found).values, ~found.declined
+    return found.values, answered(subject, found)
 
 
-def answered(found: Velocities, needed: npt.NDArray[np.bool_] | None = None) -> Velocities:
-    """The answer, if it is one: not where more than `DECLINED` of the wavenumbers, of those `needed` (n,), are null."""
+def answered(subject: Subject, found: Velocities, needed: npt.NDArray[np.bool_] | None = None) -> npt.NDArray[np.bool_]:
+    """Which of the velocities are there, (n,). What is there is judged.
+
+    Where more than `DECLINED` of those `needed` are not, that is noted in `subject.gaps`, and a pass becomes missing.
+    """
     declined = found.declined if needed is None else found.declined[needed]
     if declined.sum() > DECLINED * declined.size:
-        raise Unanswered(Verdict.MISSING, f"gave no velocity at {int(declined.sum())} of {declined.size} wavenumbers")
-    return found
+        subject.gaps = f"gave no velocity at {int(declined.sum())} of {declined.size} wavenumbers"
+    return ~found.declined
 
 
 def as_array(
@@ -151,7 +166,7 @@ def as_array(
     """
     turn = -1 if subject.declaration.y == "down" else 1
     found = subject.extract(surface[:, ::turn], spacing, wavenumbers, window=window, method=method)
-    return answered(found, needed).values * [1, turn], ~found.declined
+    return found.values * [1, turn], answered(subject, found, needed)
 
 
 def exactly(

@@ -91,6 +91,7 @@ class Check:
         )
         identify(subject)
         subject.calls.clear()
+        subject.gaps = ""
         try:
             with inputs.asked(square="dy" in subject.declaration.fixed, seed=case.seed):
                 outcome = self.function(subject, case)
@@ -98,6 +99,8 @@ class Check:
             return replace(blank, verdict=nothing.verdict, message=nothing.message, calls=tuple(subject.calls))
         over = outcome.over
         passed = over <= 1.0  # NaN does not pass
+        if passed and subject.gaps:
+            return replace(blank, verdict=Verdict.MISSING, message=subject.gaps)
         return replace(
             blank,
             verdict=Verdict.PASS if passed else Verdict.FAIL,

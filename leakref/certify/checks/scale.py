@@ -53,11 +53,10 @@ def check_peak(subject: Subject, case: Case) -> Outcome:
 
     def judge(method: str) -> Outcome:
         found, there = ask(subject, cube, window, method)
-        other = answered(
-            subject.extract(
-                cube.surface, cube.spacing, cube.wavenumbers, window=window, method=method, scale=case.given["scale"]
-            )
+        other = subject.extract(
+            cube.surface, cube.spacing, cube.wavenumbers, window=window, method=method, scale=case.given["scale"]
         )
+        there &= answered(subject, other)
         over = np.hypot(*(other.values - found).T) / (FRACTION * cube.resolutions[0])
         known = there & unflagged(cube, window, method)
         return verdict(np.where(known, over, np.nan), cube, other.values, found)

@@ -169,7 +169,7 @@ _SPECTRUM = (
                   "np.linspace(0, self.grid.nyquist[2], self.grid.shape[2] // 2 + 1)"),)),
     Fault("rectified", "spectrum", "recovery", "the surface is squared before the transform",
           (Change("spectrum", "tapered = eta * wt", "tapered = eta**2 * wt"),)),
-    Fault("half-precision", "spectrum", "metamorphic", "the surface is rounded to half precision",
+    Fault("half-precision", "spectrum", "conformance", "the surface is rounded to half precision",
           (Change("spectrum", "tapered = eta * wt", "tapered = eta.astype(np.float16) * wt"),)),
     Fault("saturated", "spectrum", "metamorphic", "the surface is cut off at a height of 1/2",
           (Change("spectrum", "tapered = eta * wt", "tapered = eta.clip(-0.5, 0.5) * wt"),)),
@@ -214,9 +214,9 @@ _SHELL = (
           (Change("shell", "HALF_WIDTH = 2.0", "HALF_WIDTH = 3.0"),)),
     Fault("finer-bin", "shell", "conformance", "dk is the smaller of dkx and dky (D20)",
           (Change("grid", "return max(self.bin_widths[:2])", "return min(self.bin_widths[:2])"),)),
-    Fault("real-part", "shell", "recovery", "the magnitude of the spectrum is that of its real part",
+    Fault("real-part", "shell", "metamorphic", "the magnitude of the spectrum is that of its real part",
           (Change("shell", "np.abs(spectrum.values[a, b])", "np.abs(spectrum.values[a, b].real)"),)),
-    Fault("unweighted-half", "shell", "currents", "omega = 0 and the Nyquist plane count twice (D5)",
+    Fault("unweighted-half", "shell", "conformance", "omega = 0 and the Nyquist plane count twice (D5)",
           (Change("spectrum", "np.where((m == 0) | (2 * m == self.grid.shape[2]), 0.5, 1.0)", "np.ones(m.size)"),)),
 )
 _NSP = (
@@ -311,15 +311,15 @@ _BEHAVIOUR = (
 _KILLING_INPUTS = {
     "recovery.pair[even-1]":
         "negated-current flipped-x flipped-y exchanged-axes quarter-turn rows-downwards reversed-time exchanged-cube "
-        "absolute-value no-cross-component exchanged-spacing square-pixels hertz-for-radians cycles-for-radians "
+        "absolute-value no-cross-component exchanged-spacing square-pixels hertz-for-radians "
         "degrees-for-radians gravity-dropped gravity-hard-coded knots pixels-per-frame unit-time-step "
         "doppler-frequency one-interval-short duration-short time-transform-reversed x-transform-reversed "
         "frequencies-off-by-one wavenumbers-off-by-one frequency-at-centre group-velocity depth-assumed extra-branch "
-        "only-negative-branch current-sign-in-branch least-overlap stops-at-start solve-sign-slip solve-off-diagonal "
+        "current-sign-in-branch stops-at-start solve-sign-slip solve-off-diagonal "
         "solve-factor-two ls-wrong-branch ls-both-halves rounded-answer always-hann",
     "recovery.two-shells[even]":
         "frame-rate rectified root-missing sum-for-length disc-for-shell mean-over-band reversed-wavenumbers "
-        "first-wavenumber-for-all",
+        "first-wavenumber-for-all only-negative-branch",
     "synthesis.energy[40]":
         "two-thirds-energy random-amplitudes amplitude-squared half-amplitude double-energy standing-waves",
     "synthesis.single[to-250]":
@@ -332,10 +332,13 @@ _KILLING_INPUTS = {
     "leakage.flicker[fast]": "taper-inside-out",
     "conformance.window[window-hann-7]": "taper-half-period",
     "conformance.spectrum[spectrum-scattered]": "blackman-sign",
+    "conformance.spectrum[spectrum-half-bin]": "half-precision",
     "conformance.window[window-kaiser-bessel-12]": "kaiser-without-pi",
     "recovery.sea[broad]": "shift-missing",
     "recovery.pair[odd-1]": "frequencies-to-nyquist",
-    "metamorphic.amplitude[1e+06-tapered]": "half-precision saturated",
+    "recovery.pair[odd-2]": "least-overlap",
+    "recovery.pair[even-2]": "far-start",
+    "metamorphic.amplitude[1e+06-tapered]": "saturated",
     "conformance.extract[nsp-oblong]": "shell-off-by-one",
     "metamorphic.symmetry[exchange-tapered]": "half-plane",
     "scale.peak[4-untapered]": "hard-coded-shell frequency-cut",
@@ -343,11 +346,11 @@ _KILLING_INPUTS = {
     "conformance.sea[strong-box-ls]":
         "narrow-shell wide-shell finer-bin real-part smoothed ls-threshold-on-magnitude "
         "ls-weighted method-ignored",
-    "conformance.sea[strong-hann-nsp]": "unweighted-half wide-width",
-    "currents.aligned[following]": "missing-negative-branch narrow-bounds",
+    "conformance.sea[strong-hann-nsp]": "unweighted-half wide-width missing-negative-branch",
+    "conformance.sea[strong-hann-ls]": "cycles-for-radians",
+    "currents.aligned[following]": "narrow-bounds",
     "currents.backwards[oblique]": "printed-branch",
     "conformance.extract[nsp-untapered]": "hard-coded-width",
-    "recovery.single[even]": "far-start",
     "conformance.extract[ls-oblong]": "ls-no-threshold",
     "behaviour.refuses[nan]": "nan-as-number nan-replaced",
     "behaviour.input[all-stages]": "input-altered",

@@ -75,6 +75,8 @@ class Subject:
         """What it did that it must not, such as altering its input; a check of behaviour reads it."""
         self.calls: list[Call] = []
         """Answers since the running check began."""
+        self.gaps = ""
+        """Where the running check was given null too often, in words (`criteria.answered`)."""
         self.reproduces = ""
         """Of a code that names no method: which of the reference's it turned out to be, or `OWN` (see `identity`)."""
         self.scales: set[float] = set()
