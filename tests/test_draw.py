@@ -198,6 +198,26 @@ def test_a_third_of_the_wavenumbers_may_be_null_and_no_more():
         assert finding.verdict == verdict, null
 
 
+def test_nulls_hide_no_mistake():
+    """Neither those of other wavenumbers nor those of another method."""
+
+    class Hiding(Reference):
+        def extract(self, surface, spacing, wavenumbers, **settings):
+            found = -np.ma.masked_invalid(super().extract(surface, spacing, wavenumbers, **settings))
+            found[1:] = np.ma.masked
+            return found
+
+    class Silent(Reference):
+        def extract(self, surface, spacing, wavenumbers, *, method, **settings):
+            if method == "ls":
+                return [None] * len(wavenumbers)
+            return -super().extract(surface, spacing, wavenumbers, method=method, **settings)
+
+    for code in (Hiding(), Silent()):
+        (finding,) = judged(code, "signs.sea[to-22.5]").findings
+        assert finding.verdict == "fail", finding.message
+
+
 def nsp(surface, spacing, wavenumbers, gravity, window):
     return reference.extract(surface, spacing, wavenumbers, gravity=gravity, window=window, method="nsp")
 
