@@ -15,7 +15,6 @@ from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
-from scipy.integrate import quad_vec
 
 from leakref._base import FloatArray, LeakrefError, finite, positive, vector
 
@@ -99,6 +98,8 @@ class ProfileCurrent:
                     "return (n, 2) velocities for (n,) depths z <= 0",
                 )
             return u
+
+        from scipy.integrate import quad_vec  # for profiles alone: it takes as long to import as all the rest
 
         integral, error = quad_vec(velocity, 0.0, 1.0, epsabs=self.tolerance, epsrel=self.tolerance, limit=2000)
         if not error <= 100 * self.tolerance * max(1.0, float(np.abs(integral).max(initial=0.0))):

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from leakref._base import LeakrefError, finite, positive
 
@@ -48,4 +48,4 @@ def excess(differences: npt.ArrayLike, margin: float, alpha: float) -> Excess:
     if d.size < 2:
         raise LeakrefError("excess", f"{d.size} differences", "give at least two")
     error = float(d.std(ddof=1) / np.sqrt(d.size))
-    return Excess(float(d.mean()), error, margin + float(student.isf(alpha, d.size - 1)) * error)
+    return Excess(float(d.mean()), error, margin - float(stdtrit(d.size - 1, alpha)) * error)

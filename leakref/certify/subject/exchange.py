@@ -30,7 +30,6 @@ from uuid import uuid4
 
 import numpy as np
 import numpy.typing as npt
-from scipy import io
 
 from leakref._base import LeakrefError
 from leakref._output import dump, folder, write_whole
@@ -108,6 +107,8 @@ class Exchange:
             for name, value in values.items():
                 value.tofile(given / f"{name}.f64")
         elif form == "mat":
+            from scipy import io  # for programs that want this format alone
+
             io.savemat(given, values, appendmat=False)
         else:
             np.savez(given, **values)  # type: ignore[arg-type]
