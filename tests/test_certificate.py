@@ -10,9 +10,8 @@ import pytest
 
 from leakref import LeakrefError
 from leakref.certify.certificate import Certificate, junit, schema
-from leakref.certify.known import Known, read_known
 from leakref.certify.report import badge, sentence
-from leakref.certify.verdict import Finding, Verdict
+from leakref.certify.verdict import Finding, Known, Verdict, read_known
 
 PASS, FAIL, MISSING, UNSUPPORTED, ERROR, TIMEOUT = Verdict
 SAID = {"name": "x", "version": "1", "units": "si", "axes": "xyt", "y": "up", "direction": "to", "fixed": []}

@@ -11,11 +11,10 @@ import pytest
 
 from leakref.certify.bias import SEAS, bias, figure
 from leakref.certify.certificate import Certificate
-from leakref.certify.known import Known
 from leakref.certify.report import badge, page
 from leakref.certify.runner import select
 from leakref.certify.subject.inprocess import InProcess
-from leakref.certify.verdict import Finding, Verdict
+from leakref.certify.verdict import Finding, Known, Verdict
 from leakref.chain import reference
 
 HOSTILE = "<script>alert(1)</script>\"'&{{ 7 * 7 }}"

@@ -22,10 +22,9 @@ import numpy as np
 from leakref._output import envelope, plain
 from leakref.certify.checks.draw import PUBLISHED
 from leakref.certify.checks.registry import FAMILIES
-from leakref.certify.known import Known
 from leakref.certify.subject.declaration import Declaration
 from leakref.certify.subject.frames import GRAVITY, OWN, PEAK
-from leakref.certify.verdict import WRONG, Finding, Verdict
+from leakref.certify.verdict import WRONG, Finding, Known, Verdict
 from leakref.dispersion import Water
 
 __all__ = ["CONFORMANT", "MUST", "REJECTED", "SOUND", "Certificate", "junit", "schema"]

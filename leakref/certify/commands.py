@@ -25,12 +25,11 @@ from leakref._base import LeakrefError
 from leakref._output import console, dump, envelope, folder, progress_bar, write_whole
 from leakref.certify.certificate import CUT, REJECTED, SOUND, Certificate, junit, schema
 from leakref.certify.checks.draw import PUBLISHED, Draw
-from leakref.certify.known import read_known
 from leakref.certify.runner import certify, select
 from leakref.certify.strength.diagnosis import explain
 from leakref.certify.subject.protocol import ProcessSubject
 from leakref.certify.targets import HarnessBroken, Limits, connect
-from leakref.certify.verdict import Finding, Verdict
+from leakref.certify.verdict import Finding, Verdict, read_known
 from leakref.golden.sets import locate
 
 __all__ = ["Request", "run", "show_list", "show_schema"]

@@ -20,12 +20,11 @@ import pytest
 from leakref._base import LeakrefError
 from leakref.certify.checks.draw import PUBLISHED
 from leakref.certify.checks.registry import Case, Check
-from leakref.certify.known import Known, read_known
 from leakref.certify.runner import select
 from leakref.certify.subject.frames import Subject
 from leakref.certify.subject.inprocess import InProcess
 from leakref.certify.targets import load
-from leakref.certify.verdict import Finding, Verdict
+from leakref.certify.verdict import Finding, Known, Verdict, read_known
 from leakref.plugin import MARK
 
 __all__ = ["parametrize_with_checks", "settle"]

@@ -30,9 +30,8 @@ from leakref.certify.certificate import Certificate
 from leakref.certify.checks import conformance
 from leakref.certify.checks.draw import DRAWN, PUBLISHED, Draw
 from leakref.certify.checks.registry import FAMILIES, Case, Check
-from leakref.certify.known import Known
 from leakref.certify.subject.frames import Subject
-from leakref.certify.verdict import Finding, Verdict
+from leakref.certify.verdict import Finding, Known, Verdict
 
 __all__ = ["certify", "run_check", "run_checks", "select"]
 
