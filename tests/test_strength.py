@@ -171,11 +171,11 @@ def test_false_alarms_of_well_behaved_errors_are_at_their_nominal_rate_at_most()
 
 def test_a_statistic_that_alarms_too_often_is_seen():
     said = problems(
-        {"faults": [], "variants": [], "false_alarms": {"nominal": 1e-3, "at_margin": alarms._rate(300, 100_000)}}
+        {"faults": [], "variants": [], "false_alarms": {"nominal": 1e-3, "at_margin": alarms.rate_of(300, 100_000)}}
     )
     assert said == ["false alarms are at 3.0e-03, above 0.001"]
     interval = binomtest(300, 100_000).proportion_ci(method="exact")
-    assert alarms._rate(300, 100_000)["interval"] == [interval.low, interval.high]
+    assert alarms.rate_of(300, 100_000)["interval"] == [interval.low, interval.high]
 
 
 def test_the_committed_result_is_of_this_list_and_holds():

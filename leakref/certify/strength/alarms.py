@@ -21,7 +21,7 @@ from leakref.certify.checks.statistics import FALSE_ALARMS, share
 from leakref.certify.runner import select
 from leakref.currents import UniformCurrent
 
-__all__ = ["errors_of", "false_alarms", "seas"]
+__all__ = ["errors_of", "false_alarms", "rate_of", "seas"]
 
 RESAMPLINGS = 100_000
 _STORED = 100  # realisations of each sea of the statistical checks
@@ -86,11 +86,11 @@ def false_alarms(errors: Mapping[str, Mapping[str, Any]], resamplings: int = RES
         "resamplings": resamplings,
         "tests": len(tests) * len(methods),
         "nominal": FALSE_ALARMS,
-        **{name: _rate(int(which.sum()), resamplings) for name, which in alarmed.items()},
+        **{name: rate_of(int(which.sum()), resamplings) for name, which in alarmed.items()},
     }
 
 
-def _rate(alarms: int, resamplings: int) -> dict[str, Any]:
+def rate_of(alarms: int, resamplings: int) -> dict[str, Any]:
     """With its Clopper-Pearson interval at 95 %. That interval is exact for a binomial, and wide enough where there are
     few alarms or none.
     """

@@ -24,9 +24,10 @@ from leakref.certify.checks.draw import DRAWN, PUBLISHED
 from leakref.certify.checks.registry import FAMILIES, Case, Check
 from leakref.certify.runner import select
 from leakref.certify.strength import faults, variants
-from leakref.certify.strength.alarms import errors_of, false_alarms, seas
+from leakref.certify.strength.alarms import errors_of, false_alarms, rate_of, seas
 from leakref.certify.strength.fault import Fault
 from leakref.certify.strength.faults import FAULTS
+from leakref.certify.strength.tables import pretty, show
 from leakref.certify.strength.variants import VARIANTS
 from leakref.certify.subject.inprocess import InProcess
 from leakref.certify.verdict import WRONG, Finding, Verdict
@@ -286,6 +287,7 @@ def _summary(
     record: dict[str, Any] = {"full": full, "faults": mutants, "variants": judged}
     if full:
         record |= {"families": _families(killed), "classes": classes(killed), "false_alarms": false_alarms(errors)}
+        record["rejections"] = rate_of(sum(v["rejected"] for v in judged), sum(v["runs"] for v in judged))
     return record | {"problems": problems(record)}
 
 
@@ -338,63 +340,3 @@ def run(
     else:
         show(record)
     return 0 if record["ok"] else 1
-
-
-def pretty(record: Mapping[str, Any]) -> str:
-    """As it is committed: an item of a list to a line, numbers to four digits, so that changes can be read."""
-
-    def short(value: Any) -> Any:
-        if isinstance(value, float):
-            return float(f"{value:.4g}")
-        if isinstance(value, dict):
-            return {key: short(item) for key, item in value.items()}
-        return [short(item) for item in value] if isinstance(value, list) else value
-
-    def block(value: Any) -> str:
-        if isinstance(value, list) and value:
-            return "[\n  " + ",\n  ".join(dump(item) for item in value) + "]"
-        return dump(value)
-
-    return "{" + ",\n".join(f'"{key}": {block(short(plain(value)))}' for key, value in record.items()) + "}\n"
-
-
-def show(record: Mapping[str, Any]) -> None:
-    """Tables on standard output."""
-    from rich.console import Console
-    from rich.table import Table
-
-    print_ = Console().print
-    matrix = Table(title="Faults: effect over tolerance, by the family that kills", header_style="bold")
-    matrix.add_column("fault")
-    matrix.add_column("meant for")
-    matrix.add_column("killing input")
-    matrix.add_column("effect", justify="right")
-    if record["full"]:
-        for family in FAMILIES:
-            matrix.add_column(family[:6], justify="right")
-    for r in record["faults"]:
-        effect = "-" if r["effect_over_tolerance"] is None else f"{r['effect_over_tolerance']:.3g}"
-        row = [r["id"], r["family"], r["witness"], effect if r["killed_by"] else "[red]lives[/]"]
-        cells = [f"{r['kills'][f]:.2g}" if f in r["kills"] else "" for f in FAMILIES] if record["full"] else []
-        matrix.add_row(*row, *cells)
-    print_(matrix)
-    correct = Table(title="Variants: correct codes that must not be rejected", header_style="bold")
-    for name in ("variant", "grade", "runs", "rejected"):
-        correct.add_column(name, justify="right" if name in ("runs", "rejected") else "left")
-    for v in record["variants"]:
-        rejected = f"[red]{v['rejected']}[/]" if v["rejected"] else "0"
-        correct.add_row(v["id"], v["grade"], str(v["runs"]), rejected)
-    print_(correct)
-    for row in record.get("families", ()):
-        print_(
-            f"{row['family']} kills {row['kills']} faults, {row['meant']} are meant for it and {len(row['only'])} "
-            "no other family kills"
-        )
-    if alarms := record.get("false_alarms"):
-        rate = alarms["at_margin"]
-        print_(
-            f"false alarms in a whole run: {rate['rate']:.2e} (95 %: {rate['interval'][0]:.1e} to "
-            f"{rate['interval'][1]:.1e}) of {alarms['resamplings']} resamplings"
-        )
-    for line in record["problems"]:
-        print_(f"[red]{line}[/]")
