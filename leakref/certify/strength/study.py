@@ -2,7 +2,7 @@
 
 Faults are mutants: each must exceed the tolerance of its killing input ten times and be killed by the family of checks
 meant for it; with that family switched off it is reported as alive, whoever else sees it. Variants are correct codes:
-none may be rejected, on the checks' own inputs or on fresh seas and grids. The statistical checks are resampled under
+none may be rejected, on the published questions or on those of other seeds. The statistical checks are resampled under
 their null hypothesis.
 """
 
