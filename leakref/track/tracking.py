@@ -263,14 +263,14 @@ def measure(
         errors = {
             (w, m): np.full((len(realizations), one.cube(0).wavenumbers.size), np.nan)
             for w in windows
-            for m in offered.methods or subject.methods
+            for m in offered.methods or (ASKED,)
         }
         silent: dict[tuple[str, str], list[str]] = {}
         for row, number in enumerate(realizations):
             cube = one.cube(number)
             for (window, method), kept in errors.items():
                 try:
-                    kept[row] = _error(subject, cube, window, method)
+                    kept[row] = _error(subject, cube, window, method if offered.methods else None)
                 except Unanswered as nothing:
                     silent.setdefault((window, method), []).append(nothing.message)
             after_each()
@@ -288,7 +288,7 @@ def measure(
     return series, said
 
 
-def _error(subject: Subject, cube: Cube, window: str, method: str) -> FloatArray:
+def _error(subject: Subject, cube: Cube, window: str, method: str | None) -> FloatArray:
     answer = subject.extract(cube.surface, cube.spacing, cube.wavenumbers, window=window, method=method)
     return np.hypot(*(answer.values - cube.truth).T)
 

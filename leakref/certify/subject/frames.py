@@ -22,7 +22,7 @@ from leakref.sea import Components
 from leakref.window import WINDOWS
 from leakref.window import window as named_window
 
-__all__ = ["GRAVITY", "OWN", "PEAK", "Call", "Subject", "Velocities"]
+__all__ = ["ASKED", "GRAVITY", "OWN", "PEAK", "Call", "Subject", "Velocities"]
 
 PEAK = 0.25
 """rad/m: the peak wavenumber at which an implementation in metres and seconds is shown the scaled seas; 25 m waves."""
@@ -30,7 +30,8 @@ GRAVITY = 9.81
 """In m/s2, for a code in SI."""
 OWN = "own"
 """Stands for the method of a code that names none."""
-_ASKED = "nsp"  # of such a code, since it may have to be told something (guide protocol, section 3)
+ASKED = "nsp"
+"""What such a code is asked for, since it may have to be told something (guide protocol, section 3)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -192,7 +193,7 @@ class Subject:
             "gravity": gravity,
             "wavenumbers": (asked / length).tolist(),
             "window": window if d.tapers else "box",
-            "method": method if d.methods else _ASKED,
+            "method": method if d.methods else ASKED,
         }
         answer = self._work("extract", arrays, parameters)
         rows, at = _rows(answer, asked / length, d)
