@@ -29,7 +29,7 @@ from leakref._output import plain
 from leakref.cases import Configuration, configurations
 from leakref.certify.bias import SEAS
 from leakref.certify.checks.inputs import Cube
-from leakref.certify.subject.frames import GRAVITY, PEAK, Subject
+from leakref.certify.subject.frames import ASKED, GRAVITY, PEAK, Subject
 from leakref.certify.verdict import Unanswered, printable
 from leakref.currents import UniformCurrent
 from leakref.decisions import DECISIONS
