@@ -69,7 +69,8 @@ def test_grids_and_currents_stay_near_what_tolerances_were_derived_for():
         assert np.all(np.divide(other.lengths, inputs.SEA.lengths) <= 1.08)
         u = draw.current(UniformCurrent((0.3, 0.4))).velocity
         assert 0.94 * 0.5 <= np.hypot(*u) <= 0.5
-        assert np.abs(draw.turn.T @ draw.near((0.1, 0.2)) - [0.1, 0.2]).max() <= 0.03
+        assert 0 < np.abs(draw.turn.T @ draw.near((0.1, 0.2)) - [0.1, 0.2]).max() <= 0.03
+        assert np.abs(draw.turn.T @ draw.near((0.1, 0.55)) - [0.1, 0.55]).max() < 1e-15
 
 
 @pytest.mark.parametrize(

@@ -42,6 +42,7 @@ _TURNS = np.array(
 )
 _WEAKER = 0.06  # by how much of itself at most; stronger ones may leave the basin that a search from zero finds
 _MOVED = 0.03  # in c0: the current of a pair, along each axis
+_STRONG = 0.4  # in c0: near the edge of what a search from zero finds a hundredth decides, so such a pair is not moved
 _SIZES = 3  # samples more or less
 _LONGER = 0.08  # of a length
 
@@ -118,10 +119,11 @@ class Draw:
         return [(int(i), int(j)) for i, j in np.rint(np.array(pairs) @ self.turn.T)]
 
     def near(self, velocity: tuple[float, float]) -> tuple[float, float]:
-        """The current of a pair of waves, turned and moved by up to 0.03 c0 along each axis."""
+        """The current of a pair of waves, turned and, if it is not strong, moved by up to 0.03 c0 along each axis."""
         if self.published:
             return velocity
-        u, v = (self.turn @ np.array(velocity) + _MOVED * (2 * self.numbers(2, "near") - 1)).tolist()
+        moved = _MOVED * (2 * self.numbers(2, "near") - 1) * (np.hypot(*velocity) < _STRONG)
+        u, v = (self.turn @ np.array(velocity) + moved).tolist()
         return u, v
 
     def phases(self, phase: FloatArray) -> FloatArray:

@@ -99,7 +99,9 @@ def check_flicker(subject: Subject, case: Case) -> Outcome:
     n = np.arange(1, 41)
     k, angle = 1.0 + 1.2 * (n * np.sqrt(2) % 1), 2 * np.pi * (n * np.sqrt(3) % 1)
     current = UniformCurrent((0.1, 0.05))
-    local = inputs.waves(inputs.drawn(SEA), k * np.cos(angle), k * np.sin(angle), (1.4, 1.6, 1.8), current)
+    (nx, ny, _), (dx, dy, _) = (grid := inputs.drawn(SEA)).shape, grid.spacing
+    grid = Grid((nx, ny, SEA.shape[2]), (dx, dy, SEA.spacing[2]))  # its frequencies kept: the texture is near Nyquist
+    local = inputs.waves(grid, k * np.cos(angle), k * np.sin(angle), (1.4, 1.6, 1.8), current)
     waves, strength = local.components, np.full(n.size, case.given.get("strength", 100.0))
     flicker = np.full(n.size, 38.5 * local.grid.frequency_resolution)
     texture = Components(waves.kx, waves.ky, flicker, strength, waves.phase)
