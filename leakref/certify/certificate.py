@@ -282,7 +282,7 @@ def _in_words(scope: Mapping[str, Any], si: bool) -> str:
         waves, other = f"linear waves {2 * np.pi / PEAK:.3g} m long", f"{short:.3g} to {long:.3g} m"
     else:
         waves, other = (
-            "linear waves (scaled units)",
+            "linear waves in scaled units",
             f"{short / 2 / np.pi:.2g} to {long / 2 / np.pi:.2g} times as long",
         )
     waves += f" (in the family scale {other})" * (short < long)
