@@ -12,6 +12,7 @@ import numpy.typing as npt
 from leakref._base import FloatArray
 from leakref.certify.checks import inputs
 from leakref.certify.checks.criteria import (
+    HALF_AGAIN,
     IN_THE_MEAN,
     ask,
     each_method,
@@ -97,7 +98,7 @@ def check_slope(subject: Subject, case: Case) -> Outcome:
         allowed = 0.6 * float(np.hypot(*should))
         if method not in METHODS or METHODS[method].errs_with_the_sea:
             like = expected(cube, window, method if method in METHODS else "ls").velocities
-            allowed = max(allowed, 1.5 * float(np.hypot(*(_slope(cube, like, there) - should))))
+            allowed = max(allowed, HALF_AGAIN * float(np.hypot(*(_slope(cube, like, there) - should))))
         return Outcome(
             float(np.hypot(*(own - should))) / allowed,
             f"with log k it changes by {vector(own)}, should be {vector(should)}",
