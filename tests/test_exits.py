@@ -45,6 +45,7 @@ def one_line(done, status, said=""):
 
 BROKEN = """
 import leakref.explain, os, signal, sys
+signal.signal(signal.SIGHUP, signal.SIG_DFL)  # which nohup, before pytest, would have had ignored
 def breaks(*words, **settings):
     {}
 leakref.explain.run = breaks
