@@ -101,7 +101,7 @@ def check_single(subject: Subject, case: Case) -> Outcome:
     "eq:g",
     EXACT_OR_SCORE + " A method that the reference does not have may be off by the smaller of "
     "the two velocity resolutions. One velocity for the whole band may be anywhere between the two currents, or "
-    "outside by that resolution.",
+    "outside by that resolution or half the distance between them: each wave fixes no more than one component.",
     [Case("even", {"grid": "even"}), Case("prime", {"grid": "prime"}, quick=False)],
 )
 def check_two_shells(subject: Subject, case: Case) -> Outcome:
@@ -122,7 +122,8 @@ def check_two_shells(subject: Subject, case: Case) -> Outcome:
         found, there = ask(subject, both, window, method)
         if subject.declaration.band:
             outside = np.maximum(should.min(axis=0) - found, found - should.max(axis=0)).max(axis=1)
-            return verdict(np.maximum(outside, 0) / both.resolutions[0], both, found, should)
+            allowed = np.maximum(both.resolutions[0], np.hypot(*(should[1] - should[0])) / 2)
+            return verdict(np.maximum(outside, 0) / allowed, both, found, should)
         over = np.where(there, exactly(subject, both, window, method, found, should), np.nan)
         return verdict(over, both, found, should)
 
