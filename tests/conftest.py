@@ -1,11 +1,13 @@
-"""The option --slow, and the seas, grids and spectra that several files share."""
+"""The option --slow, and what several files share: seas, grids, spectra, a browser."""
 
 from __future__ import annotations
 
 import os
+import subprocess
 
 import numpy as np
 import pytest
+from tools import requires
 
 from leakref import Components, Grid, SeaState, UniformCurrent, leakage
 
@@ -81,3 +83,34 @@ def tapered(small_grid, small_sea):
 @pytest.fixture(scope="session")
 def untapered(small_grid, small_sea):
     return leakage.spectrum(small_sea, small_grid, "box")
+
+
+@pytest.fixture(scope="session")
+def chromium(tmp_path_factory):
+    """A function that runs Chromium on a file, as a new user: what it printed and what it logged."""
+    program = requires("chromium")
+
+    def run(path, *arguments):
+        done = subprocess.run(
+            [
+                program,
+                "--headless",
+                "--no-sandbox",
+                "--disable-gpu",
+                "--no-first-run",
+                "--disable-background-networking",
+                "--disable-dev-shm-usage",
+                "--hide-scrollbars",
+                f"--user-data-dir={tmp_path_factory.mktemp('user')}",
+                "--enable-logging=stderr",
+                *arguments,
+                path.as_uri(),
+            ],
+            capture_output=True,
+            text=True,
+            timeout=120,
+        )
+        assert done.returncode == 0, done.stderr
+        return done.stdout, [line for line in done.stderr.splitlines() if "CONSOLE" in line]
+
+    return run

@@ -11,8 +11,8 @@ from html import unescape
 from itertools import permutations
 
 import pytest
+from browser import WIDTHS, look
 from test_commands import here
-from test_page import WIDTHS, chromium, look  # noqa: F401
 from test_report import HOSTILE, Elements
 
 from leakref import LeakrefError, __version__
@@ -449,7 +449,7 @@ def mixed(tmp_path_factory, real):
 
 
 @pytest.mark.parametrize("width", WIDTHS)
-def test_nothing_overlaps_or_sticks_out_and_nothing_hostile_runs(chromium, mixed, tmp_path, width):  # noqa: F811
+def test_nothing_overlaps_or_sticks_out_and_nothing_hostile_runs(chromium, mixed, tmp_path, width):
     seen, console = look(chromium, tmp_path / f"{width}.html", mixed, width)
     assert console == []
     assert (seen["alerts"], seen["scripts"]) == ([], 2)  # its own, and the one that looks
@@ -488,7 +488,7 @@ addEventListener("load", () => {
 """
 
 
-def test_it_sorts_and_filters(chromium, tmp_path):  # noqa: F811
+def test_it_sorts_and_filters(chromium, tmp_path):
     bad = {**EASY, "signs.sea[a]": "fail", "recovery.pair[a]": "fail"}
     good = {**EASY, "signs.sea[a]": "unsupported"}
     found = codes(tmp_path, record("bad", verdicts=bad), record("good", verdicts=good), record("the reference"))
@@ -519,7 +519,7 @@ def test_it_sorts_and_filters(chromium, tmp_path):  # noqa: F811
     assert seen["after"]["shown"] == first["shown"]
 
 
-def test_it_prints(chromium, mixed, tmp_path):  # noqa: F811
+def test_it_prints(chromium, mixed, tmp_path):
     (tmp_path / "page.html").write_text(mixed, encoding="utf-8")
     chromium(tmp_path / "page.html", f"--print-to-pdf={tmp_path / 'page.pdf'}", "--no-pdf-header-footer")
     assert (tmp_path / "page.pdf").read_bytes().startswith(b"%PDF-")
