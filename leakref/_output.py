@@ -12,6 +12,7 @@ import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from enum import Enum
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,10 +20,11 @@ from leakref import __version__
 from leakref._base import refusal
 
 if TYPE_CHECKING:
+    from jinja2 import Template
     from rich.console import Console
     from rich.progress import Progress
 
-__all__ = ["console", "dump", "envelope", "folder", "plain", "progress_bar", "write_whole"]
+__all__ = ["console", "dump", "envelope", "folder", "plain", "progress_bar", "template", "write_whole"]
 
 
 def plain(value: Any) -> Any:
@@ -138,3 +140,15 @@ def progress_bar(what: str, total: int | None) -> Iterator[Callable[[], None]]:
             bar.update(task, rate=f"{speed:.2f}/s" if speed else "")
 
         yield step
+
+
+@cache
+def template(name: str) -> Template:
+    """A page or a picture by the name of its file in `certify/pages`.
+
+    Whatever is put into it is escaped, and what is lacking is an error.
+    """
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    pages = PackageLoader("leakref.certify", "pages")
+    return Environment(loader=pages, autoescape=True, undefined=StrictUndefined, trim_blocks=True).get_template(name)

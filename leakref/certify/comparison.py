@@ -18,7 +18,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from jsonschema import Draft202012Validator
 from rich.console import Console
 from rich.markup import escape
@@ -26,16 +25,13 @@ from rich.table import Table
 
 from leakref import __version__
 from leakref._base import LeakrefError, refusal
-from leakref._output import dump, envelope, folder, write_whole
-from leakref.certify.certificate import CONFORMANT, REJECTED, SOUND, schema
+from leakref._output import dump, envelope, folder, template, write_whole
+from leakref.certify.certificate import CONFORMANT, NO_GRADE, REJECTED, SOUND, schema
 from leakref.certify.checks.registry import FAMILIES
 from leakref.certify.verdict import WRONG, Verdict, printable
 
 __all__ = ["Cell", "Code", "differing", "page", "read", "read_all", "run", "unlike"]
 
-_PAGES = Environment(
-    loader=PackageLoader("leakref.certify", "pages"), autoescape=True, undefined=StrictUndefined, trim_blocks=True
-)
 _SCHEMA = "leakref/certify/1"
 _REMEDY = "name a certificate.json that `leakref certify --report` wrote"
 _COVERAGE = ("asked", "judged", "missing", "unsupported")
@@ -134,7 +130,7 @@ class Code:
     @property
     def grade(self) -> str:
         """In a word, `no grade` where there is none."""
-        return str(self.record["grade"] or "no grade")
+        return str(self.record["grade"] or NO_GRADE)
 
     @property
     def grade_line(self) -> str:
@@ -303,7 +299,7 @@ def page(codes: Sequence[Code]) -> str:
     """
     differ = set(differing(codes))
     families = [_family(codes, family, differ) for family in FAMILIES if any(c.cell(family).asked for c in codes)]
-    return _PAGES.get_template("comparison.html").render(
+    return template("comparison.html").render(
         codes=list(enumerate(codes, start=1)),
         families=families,
         unlike=unlike(codes),
@@ -311,7 +307,7 @@ def page(codes: Sequence[Code]) -> str:
         settings=_settings(codes[0]),
         count=sum(len(family["ids"]) for family in families),
         offered=sum(len(family["offered"]) for family in families),
-        grades=[CONFORMANT, SOUND, REJECTED, "no grade"],  # in this order they are sorted
+        grades=[CONFORMANT, SOUND, REJECTED, NO_GRADE],  # in this order they are sorted
         version=__version__,
     )
 

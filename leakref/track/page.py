@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from matplotlib.figure import Figure
 
 from leakref import __version__
+from leakref._output import template
 from leakref.figures import COLOURS, figure
 from leakref.track.changes import ALPHA, BANDS, MARGIN, VERDICTS, Change, Comparison, compare, in_band
 from leakref.track.history import Entry, History
@@ -22,9 +22,6 @@ from leakref.track.tracking import Series
 
 __all__ = ["Version", "curves_figure", "levels_figure", "page", "versions"]
 
-_PAGES = Environment(
-    loader=PackageLoader("leakref.certify", "pages"), autoescape=True, undefined=StrictUndefined, trim_blocks=True
-)
 _GRADES = {0: ("no rise", "sound"), 1: ("worse", "rejected"), 3: ("not compared", "unjudged")}  # by exit status
 _MOST = 5
 """Curves in one picture: the first version, the last, and those with the latest steps between."""
@@ -190,7 +187,7 @@ def page(history: History, shown: Sequence[Version], pictures: Sequence[Mapping[
     """
     last = shown[-1]
     grade, kind = _GRADES[last.step.status if last.step else 3]
-    return _PAGES.get_template("history.html").render(
+    return template("history.html").render(
         target=last.entry.target,
         grade=grade,
         grade_class=kind,
