@@ -18,7 +18,7 @@ from leakref.certify.checks.identity import identify
 from leakref.certify.checks.inputs import Cube
 from leakref.certify.subject.frames import Subject
 from leakref.certify.subject.inprocess import InProcess
-from leakref.certify.verdict import Unanswered, Verdict
+from leakref.certify.verdict import Refused, Unanswered, Verdict
 
 __all__ = ["PRECISION", "SINGLE", "Examined", "same"]
 
@@ -64,12 +64,12 @@ class Examined:
         return [name for name in ("hann", "box") if name in own] or own[:1]
 
     def ask(self, stage: str, *args: Any, **settings: Any) -> Any:
-        """Call a stage of the subject: skip what is unsupported, drop the example if declined, fail otherwise."""
+        """Call a stage of the subject: skip what is unsupported or refused, drop the example if declined, else fail."""
         try:
             return getattr(self.subject, stage)(*args, **settings)
         except Unanswered as nothing:
-            if nothing.verdict is Verdict.UNSUPPORTED or nothing.message.startswith("refused"):
-                pytest.skip(str(nothing))
+            if nothing.verdict is Verdict.UNSUPPORTED or isinstance(nothing, Refused):
+                pytest.skip(str(nothing))  # in its own words
             if nothing.verdict is Verdict.MISSING:
                 reject()
             raise AssertionError(f"{nothing.verdict}: {nothing}") from nothing

@@ -127,11 +127,11 @@ def test_the_scope_is_what_was_answered():
 
 
 def test_what_was_cut_short_has_no_grade_and_says_so():
-    part = certificate(GOLDEN, SIGN, cut_short="interrupted after 2 of 9 questions")
+    part = certificate(GOLDEN, SIGN, cut_short="interrupted after 2 of 9 questions", unasked=7)
     record = part.record()
     assert (part.grade, part.status, record["complete"]) == (None, 3, False)
     assert record["cut_short"] in sentence(part)
-    wrong = certificate(GOLDEN, finding("signs", FAIL), cut_short="interrupted after 2 of 9 questions")
+    wrong = certificate(GOLDEN, finding("signs", FAIL), cut_short="interrupted after 2 of 9 questions", unasked=7)
     assert wrong.grade == "rejected"  # whatever the rest would have been
     late = certificate(GOLDEN, SIGN, cut_short="interrupted when all had been asked")
     assert (late.grade, late.record()["complete"]) == ("conformant", False)

@@ -14,8 +14,7 @@ from test_commands import leakref as command
 from leakref import LeakrefError
 from leakref.certify import commands
 from leakref.certify.certificate import schema
-from leakref.certify.runner import select
-from leakref.certify.verdict import Finding, Verdict
+from leakref.certify.runner import certify, select
 from leakref.explain import TERMS, explain
 
 ODD = """
@@ -226,22 +225,31 @@ def test_conformance_alone_rejects_no_code(monkeypatch, capsys):
 
 def test_what_was_found_before_an_interruption_is_told(monkeypatch, capsys, tmp_path):
     def impatient(*args, after_each, **kwargs):
-        for name, verdict in (("signs.a[b]", Verdict.PASS), ("signs.a[c]", Verdict.FAIL)):
-            after_each(Finding(name, "signs", verdict, "off by much"))
-        raise KeyboardInterrupt
+        seen = []
+
+        def few(finding):
+            seen.append(finding)
+            after_each(finding)
+            if len(seen) == 2:
+                raise KeyboardInterrupt
+
+        return certify(*args, after_each=few, **kwargs)
 
     monkeypatch.setattr(commands, "certify", impatient)
-    with pytest.raises(KeyboardInterrupt):
-        commands.run(commands.Request("reference", None, only=["signs.aligned"]))
+    request = commands.Request("fault:flipped-y", None, only=["signs.aligned"], workers=1, report=tmp_path)
+    with pytest.raises(KeyboardInterrupt):  # which is exit status 130
+        commands.run(request)
     shown = capsys.readouterr()
-    assert "interrupted after 2 of" in shown.err
-    assert "fail signs.a[c]" in shown.out
-    assert "off by much" in shown.out
+    assert "interrupted after 2 of 4 questions" in shown.err
+    assert "fail signs.aligned[to-112.5]" in shown.out
+    assert "comes back with y flipped" in shown.out
     with pytest.raises(KeyboardInterrupt):
-        commands.run(commands.Request("reference", None, only=["signs.aligned"], report=tmp_path), json=True)
+        commands.run(request, json=True)
     record = json.loads(capsys.readouterr().out)
     assert (record["complete"], record["ok"], record["grade"]) == (False, False, "rejected")
     assert record["cut_short"] == "interrupted after 2 of 4 questions"
+    assert len(record["findings"]) == 2
+    assert record["scope"]["peak_wavelengths"]  # of what it had answered
     assert json.loads((tmp_path / "certificate.json").read_text())["complete"] is False
     assert "Cut short" in (tmp_path / "certificate.html").read_text()
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import nullcontext
+from dataclasses import replace
 from zlib import crc32
 
 import numpy as np
@@ -10,9 +11,9 @@ import pytest
 
 from leakref import LeakrefError
 from leakref.certify import commands
-from leakref.certify.checks import inputs
+from leakref.certify.checks import inputs, shear
 from leakref.certify.checks.draw import _TURNS, DRAWN, PUBLISHED, Draw
-from leakref.certify.checks.registry import FAMILIES
+from leakref.certify.checks.registry import FAMILIES, Case
 from leakref.certify.runner import certify, select
 from leakref.certify.strength.diagnosis import diagnose
 from leakref.certify.subject.inprocess import InProcess
@@ -268,3 +269,57 @@ def test_a_bare_function_with_a_mistake_is_explained_by_the_method_that_it_is():
     said = diagnose(found.wrong, found.declaration)
     assert "negated-current" in {one.fault for one in said.hypotheses}
     assert (said.hypotheses[0].digits or 16) > 6
+
+
+class Changed(Reference):
+    """By one method, under Hann: what `change` makes of the reference's velocities."""
+
+    def __init__(self, method: str, change) -> None:
+        self.method, self.change = method, change
+
+    def describe(self):
+        return {"can": {"extract": {"methods": [self.method], "windows": ["hann"]}}}
+
+    def extract(self, surface, spacing, wavenumbers, **settings):
+        return self.change(super().extract(surface, spacing, wavenumbers, **settings))
+
+
+def verdict_of(identifier: str, seed: int, code: Reference) -> str:
+    ((check, case),) = select([identifier])
+    return str(check(InProcess(code), replace(case, seed=seed)).verdict)
+
+
+@pytest.mark.parametrize(("factor", "verdict"), [(1.0, "pass"), (1.45, "pass"), (1.55, "fail")])
+def test_where_a_method_itself_errs_half_as_much_again_is_allowed_and_no_more(factor, verdict):
+    """A narrow sea in still water, in which the reference's own error is above the resolution."""
+    assert verdict_of("leakage.still[narrow]", 191, Changed("nsp", lambda c: factor * c)) == verdict
+
+
+@pytest.mark.parametrize(("factor", "verdict"), [(1.5, "pass"), (8.0, "fail")])
+def test_where_it_does_not_err_the_resolution_is_all_there_is(factor, verdict):
+    assert verdict_of("leakage.still[broad]", PUBLISHED, Changed("nsp", lambda c: factor * c)) == verdict
+
+
+SLIPS = {
+    "none": np.eye(2),
+    "negated": -np.eye(2),
+    "y": np.diag([1, -1]),
+    "x": np.diag([-1, 1]),
+    "exchanged": np.eye(2)[::-1],
+}
+
+
+@pytest.mark.parametrize("slip", SLIPS)
+def test_what_least_squares_errs_by_in_a_sea_excuses_no_slip_of_sign(slip):
+    """A sea in which its own velocity goes more than two fifths of the way to an image."""
+    found = verdict_of("signs.sea[to-292.5]", 138, Changed("ls", lambda c: c @ SLIPS[slip]))
+    assert found == ("pass" if slip == "none" else "fail")
+
+
+@pytest.mark.parametrize(("factor", "verdict"), [(1.0, "pass"), (1.4, "pass"), (1.6, "fail")])
+def test_of_a_change_with_wavenumber_half_as_much_again_is_allowed_and_no_more(factor, verdict):
+    """A sea in which the reference's least squares is off by nine tenths of the change that there is."""
+    with inputs.asked(square=False, seed=6):
+        truth = shear._cube(Case("linear")).truth
+    code = Changed("ls", lambda c: truth + factor * (c - truth))
+    assert verdict_of("shear.slope[linear]", 6, code) == verdict

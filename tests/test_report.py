@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import re
+import shlex
+import sys
 from dataclasses import replace
 from html.parser import HTMLParser
 from xml.etree import ElementTree
 
 import pytest
+from markupsafe import escape
 
+from leakref.certify import commands
 from leakref.certify.bias import SEAS, bias, figure
 from leakref.certify.certificate import Certificate
 from leakref.certify.report import badge, page
@@ -141,3 +145,16 @@ def test_sub_resolution_from_is_the_first_wavenumber_with_no_larger_error_above(
     mixed = large.copy()
     mixed[1] = small[1]
     assert replace(found, bias=mixed).sub_resolution_from == 2.5
+
+
+def test_the_page_says_how_the_run_is_repeated():
+    """By a target or by a program, with the seed, so that it can be pasted."""
+    program = f"{sys.executable} -c 'import odd'"
+    for asked, typed in (((None, program), shlex.join(["--command", program])), (("a b:c", None), "'a b:c'")):
+        request = commands.Request(*asked, only=["signs.sea[to-22.5]"], seed="7")
+        found = commands._named(certificate(seed=7), request)
+        assert found.again == (
+            f"leakref certify {typed} --only 'signs.sea[to-22.5]' --profile quick --golden 1 --seed 7"
+        )
+        assert escape(found.again) in page(found)
+    assert "<pre></pre>" not in page(certificate())

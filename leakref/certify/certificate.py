@@ -27,12 +27,12 @@ from leakref.certify.subject.frames import GRAVITY, OWN, PEAK
 from leakref.certify.verdict import WRONG, Finding, Known, Verdict
 from leakref.dispersion import Water
 
-__all__ = ["CONFORMANT", "MUST", "REJECTED", "SOUND", "Certificate", "junit", "schema"]
+__all__ = ["CONFORMANT", "MUST", "NO_GRADE", "REJECTED", "SOUND", "Certificate", "junit", "schema"]
 
 CONFORMANT, SOUND, REJECTED = "conformant", "sound", "rejected"  # grades
 """The grades, as they stand in the JSON and on the page; a certificate by which nothing could be judged has none."""
-CUT = "interrupted after"
-"""How `cut_short` begins where questions were left; else only what comes after them was."""
+NO_GRADE = "no grade"
+"""What stands in the place of a grade, for people."""
 MUST = ("signs", "recovery", "leakage")
 """Of each of these families a code that measures velocities must have answered half of what its declaration admits."""
 
@@ -57,7 +57,9 @@ class Certificate:
     - `seed`: of the questions that are drawn (`checks.draw`); `only`: the patterns by which some were chosen, if any.
     - `methods`: those it was judged by; `scales`: the peak wavenumbers at which it answered; `fastest`: the strongest
       current it was asked for, in c0.
-    - `cut_short`: where the run was interrupted, in words; empty if it came to its end.
+    - `cut_short`: where the run was interrupted, in words, empty if it came to its end; `unasked`: how many questions
+      were left then.
+    - `again`: the command that repeats the run; empty where it was not run by one.
     """
 
     target: str
@@ -78,6 +80,8 @@ class Certificate:
     scales: Sequence[float] = ()
     fastest: float = 0.0
     cut_short: str = ""
+    unasked: int = 0
+    again: str = ""
 
     @property
     def counts(self) -> dict[str, int]:
@@ -118,6 +122,11 @@ class Certificate:
             if 2 * judged < len(admitted):
                 found.append((family, judged, len(admitted)))
         return found
+
+    @property
+    def set_number(self) -> int:
+        """Of the golden set."""
+        return int(self.golden.removeprefix("v"))
 
     def offers(self, stage: str) -> bool:
         """Whether its declaration offers a stage."""
@@ -165,7 +174,7 @@ class Certificate:
         beyond = any(f.family != "conformance" for f in self.judged)
         if any(f.family != "conformance" for f in wrong) or (wrong and not beyond):
             return REJECTED
-        if not self.judged or self.thin or self.cut_short.startswith(CUT):
+        if not self.judged or self.thin or self.unasked:
             return None
         compared = any(f.family == "conformance" for f in self.judged)
         return CONFORMANT if compared and not wrong and not self.coverage["missing"] else SOUND
@@ -222,7 +231,7 @@ class Certificate:
     def grade_line(self) -> str:
         """The grade with what it rests on, as in "conformant, window only, 3 of 124 questions"."""
         stages = list(self.declaration.get("can", {}))
-        words = [self.grade or "no grade"]
+        words = [self.grade or NO_GRADE]
         if stages and not self.offers("extract"):
             words.append(f"{' and '.join(stages)} only")
         if self.only:

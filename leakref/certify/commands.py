@@ -12,7 +12,6 @@ import shlex
 from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
 from time import perf_counter
@@ -23,13 +22,13 @@ from rich.table import Table
 
 from leakref._base import LeakrefError
 from leakref._output import console, dump, envelope, folder, progress_bar, write_whole
-from leakref.certify.certificate import CUT, REJECTED, SOUND, Certificate, junit, schema
+from leakref.certify.certificate import REJECTED, SOUND, Certificate, junit, schema
 from leakref.certify.checks.draw import PUBLISHED, Draw
-from leakref.certify.runner import certify, select
+from leakref.certify.runner import CutShort, certify, select
 from leakref.certify.strength.diagnosis import explain
 from leakref.certify.subject.protocol import ProcessSubject
 from leakref.certify.targets import HarnessBroken, Limits, connect
-from leakref.certify.verdict import Finding, Verdict, read_known
+from leakref.certify.verdict import Verdict, read_known
 from leakref.golden.sets import locate
 
 __all__ = ["Request", "run", "show_list", "show_schema"]
@@ -143,14 +142,8 @@ def run(request: Request, *, json: bool = False) -> int:
     ]
     name = request.target or str(request.command)
     start = perf_counter()
-    seen: list[Finding] = []
     try:
         with progress_bar(f"checks of {name}", len(checks)) as step:
-
-            def counted(finding: Finding) -> None:
-                seen.append(finding)
-                step()
-
             found = certify(
                 name,
                 sessions,
@@ -160,24 +153,10 @@ def run(request: Request, *, json: bool = False) -> int:
                 seed=seed,
                 only=request.only,
                 known=known,
-                after_each=counted,
+                after_each=lambda finding: step(),
             )
-    except KeyboardInterrupt:
-        order = {f"{check.id}[{case.id}]": n for n, (check, case) in enumerate(checks)}
-        part = Certificate(
-            name,
-            request.profile,
-            f"v{request.golden}",
-            sessions[0].declaration.record(),
-            sorted(seen, key=lambda f: order.get(f.id, 0)),
-            known,
-            seconds=perf_counter() - start,
-            date=datetime.now(UTC).isoformat(timespec="seconds"),
-            seed=seed,
-            only=request.only,
-            cut_short=f"{CUT} {len(seen)} of {len(checks)} questions",
-        )
-        _give(_named(part, request), request, [], json=json)
+    except CutShort as cut:
+        _give(_named(cut.certificate, request), request, [], json=json)
         raise
     except HarnessBroken as broken:
         console().print(f"[red]Could not judge:[/] {escape(str(broken))}", soft_wrap=True)
@@ -211,9 +190,14 @@ def _give(found: Certificate, request: Request, pictures: Sequence[Mapping[str, 
 
 
 def _named(found: Certificate, request: Request) -> Certificate:
-    """With what was asked for in the lines that show a finding again. A target is quoted as a shell needs it."""
+    """With what was asked for in the lines that show a finding, or all of it, again, quoted as a shell needs it."""
     said = shlex.quote(request.target) if request.target else f"--command {shlex.quote(str(request.command))}"
-    return replace(found, findings=[replace(f, repro=f.repro.replace("TARGET", said)) for f in found.findings])
+    only = "".join(f" --only {shlex.quote(one)}" for one in request.only)
+    return replace(
+        found,
+        findings=[replace(f, repro=f.repro.replace("TARGET", said)) for f in found.findings],
+        again=f"leakref certify {said}{only} --profile {found.profile} --golden {found.set_number} --seed {found.seed}",
+    )
 
 
 def _split(command: str) -> list[str]:
@@ -271,7 +255,7 @@ def _print(found: Certificate, written: Sequence[Path], only: Sequence[str]) -> 
     """
     show = Console()
     show.print(_summary(found))
-    reasons = {c.id: c.reason for c, _ in select(golden=int(found.golden.removeprefix("v")))}
+    reasons = {c.id: c.reason for c, _ in select(golden=found.set_number)}
     colour = "yellow" if found.grade == SOUND else "red"  # it only differs
     told = set()
     for finding in found.unexpected[:_SHOWN]:

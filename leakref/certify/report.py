@@ -7,27 +7,23 @@ and what did. The module computes nothing that is not in the certificate.
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from leakref import __version__
 from leakref._base import FloatArray
-from leakref.certify.certificate import CONFORMANT, CUT, REJECTED, Certificate
+from leakref._output import template
+from leakref.certify.certificate import CONFORMANT, NO_GRADE, REJECTED, Certificate
 from leakref.certify.checks.registry import FAMILIES, Check
 from leakref.certify.runner import select
 from leakref.certify.verdict import Finding, Verdict
 
 __all__ = ["badge", "page", "sentence"]
 
-_PAGES = Environment(
-    loader=PackageLoader("leakref.certify", "pages"), autoescape=True, undefined=StrictUndefined, trim_blocks=True
-)
-_COLOURS = {"conformant": "#00695c", "sound": "#00695c", "rejected": "#b3261e", "no grade": "#8a6100"}
+_COLOURS = {"conformant": "#00695c", "sound": "#00695c", "rejected": "#b3261e", NO_GRADE: "#8a6100"}
 _MOST = 12  # wavenumbers in a drawing
 
 
@@ -40,7 +36,7 @@ def sentence(certificate: Certificate) -> str:
     n, missing = len(certificate.judged), certificate.coverage["missing"]
     if certificate.grade == REJECTED:
         return f"{len(certificate.wrong)} of {n} answers are wrong."
-    if certificate.cut_short.startswith(CUT):
+    if certificate.unasked:
         return f"The run was {certificate.cut_short}: there is no verdict."
     if not n:
         return "Nothing that was asked is offered." if not missing else "It answered nothing of what it offers."
@@ -64,14 +60,14 @@ def page(certificate: Certificate, pictures: Sequence[Mapping[str, str]] = ()) -
     First stands what was certified: grade, coverage, scope, diagnosis, whose it is and when. Findings follow by family;
     of each check the first one that is wrong is open, the others are folded away, and what is unsupported is one line.
     """
-    known = {f"{c.id}[{case.id}]": c for c, case in select(golden=int(certificate.golden.removeprefix("v")))}
+    known = {f"{c.id}[{case.id}]": c for c, case in select(golden=certificate.set_number)}
     first = {f.id.partition("[")[0]: f for f in reversed(certificate.wrong)}  # of each check: these are opened
     rows = []
     for family, _ in certificate.families():
         own = [f for f in certificate.findings if f.family == family]
         asked = [_row(f, known.get(f.id), f in first.values()) for f in own if f.verdict is not Verdict.UNSUPPORTED]
         rows.append((family, asked, [f for f in own if f.verdict is Verdict.UNSUPPORTED]))
-    return _PAGES.get_template("certificate.html").render(
+    return template("certificate.html").render(
         certificate=certificate,
         said=certificate.declaration,
         scope=certificate.scope()["words"],
@@ -83,7 +79,6 @@ def page(certificate: Certificate, pictures: Sequence[Mapping[str, str]] = ()) -
         findings=rows,
         verdicts=[str(v) for v in Verdict if str(v) in certificate.counts],
         declared=list(_declared(certificate.declaration)),
-        again=_again(certificate),
     )
 
 
@@ -92,17 +87,8 @@ def badge(certificate: Certificate) -> str:
 
     Its width follows the length of the words. The text of the file is returned.
     """
-    line, colour = certificate.grade_line, _COLOURS[certificate.grade or "no grade"]
-    return _PAGES.get_template("badge.svg").render(grade=line, width=62 + round(6.4 * len(line)), colour=colour)
-
-
-def _again(certificate: Certificate) -> str:
-    """The command that repeats the run, as far as the target says how it is reached."""
-    only = "".join(f" --only {shlex.quote(one)}" for one in certificate.only)
-    return (
-        f"leakref certify {shlex.quote(certificate.target)}{only} --profile {certificate.profile} "
-        f"--golden {certificate.golden.removeprefix('v')} --seed {certificate.seed}"
-    )
+    line, colour = certificate.grade_line, _COLOURS[certificate.grade or NO_GRADE]
+    return template("badge.svg").render(grade=line, width=62 + round(6.4 * len(line)), colour=colour)
 
 
 def _declared(said: Mapping[str, Any]) -> Iterator[tuple[str, str]]:

@@ -33,9 +33,17 @@ from leakref.certify.checks.registry import FAMILIES, Case, Check
 from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Finding, Known, Verdict
 
-__all__ = ["certify", "run_check", "run_checks", "select"]
+__all__ = ["CutShort", "certify", "run_check", "run_checks", "select"]
 
 Pair = tuple[Check, Case]
+
+
+class CutShort(KeyboardInterrupt):
+    """A run that was interrupted, with the `certificate` of what it had found by then."""
+
+    def __init__(self, certificate: Certificate) -> None:
+        super().__init__(certificate.cut_short)
+        self.certificate = certificate
 
 
 def certify(
@@ -63,7 +71,7 @@ def certify(
 
     Whatever a session raises on entry is passed on (`ProcessSubject`: LeakrefError, HarnessBroken), as is the
     RuntimeError of `run_checks`. Then, and when it is interrupted, the queue is emptied and every session is ended at
-    once.
+    once; a KeyboardInterrupt becomes CutShort once there is a session.
     """
     known = dict(known or {})
     ids = {identifier for check, _ in select(golden=golden) for identifier, _ in check.ids()}
@@ -81,7 +89,8 @@ def certify(
 
     def work(subject: Subject) -> None:
         for number in _taken(waiting):
-            (found[number],) = run_checks([checks[number]], subject, after_each)
+            (found[number],) = run_checks([checks[number]], subject)
+            after_each(found[number])
 
     opened: list[Subject] = []
 
@@ -90,36 +99,45 @@ def certify(
             opened.append(subject)
             work(subject)
 
+    def made(cut_short: str = "") -> Certificate:
+        subject = opened[0]
+        return Certificate(
+            target,
+            profile,
+            f"v{golden}",
+            subject.declaration.record(),
+            [found[number] for number in sorted(found)] + _left_over(opened),
+            known,
+            seconds=perf_counter() - start,
+            date=datetime.now(UTC).isoformat(timespec="seconds"),
+            seed=seed,
+            only=only,
+            methods=subject.methods if subject.offers("extract") else (),
+            scales=sorted({scale for one in opened for scale in one.scales}),
+            fastest=max(one.fastest for one in opened),
+            cut_short=cut_short,
+            unasked=len(checks) - len(found),
+        )
+
     first, *others = subjects
-    with first as subject, ThreadPoolExecutor(max(1, len(others))) as threads:
-        try:
-            beside = [threads.submit(open_and_work, session) for session in others]
-            work(subject)
-            for done in beside:
-                done.result()
-        except BaseException:
-            deque(_taken(waiting), maxlen=0)
-            for session in subjects:
-                getattr(session, "interrupt", bool)()  # what they are at is not waited for
+    try:
+        with first as subject, ThreadPoolExecutor(max(1, len(others))) as threads:
+            opened.append(subject)
+            try:
+                beside = [threads.submit(open_and_work, session) for session in others]
+                work(subject)
+                for done in beside:
+                    done.result()
+            except BaseException:
+                deque(_taken(waiting), maxlen=0)
+                for session in subjects:
+                    getattr(session, "interrupt", bool)()  # what they are at is not waited for
+                raise
+    except KeyboardInterrupt:
+        if not opened:
             raise
-    findings = [found[number] for number in range(len(checks))]
-    findings += _left_over([subject, *opened])
-    seen = [subject, *opened]
-    return Certificate(
-        target,
-        profile,
-        f"v{golden}",
-        subject.declaration.record(),
-        findings,
-        known,
-        seconds=perf_counter() - start,
-        date=datetime.now(UTC).isoformat(timespec="seconds"),
-        seed=seed,
-        only=only,
-        methods=subject.methods if subject.offers("extract") else (),
-        scales=sorted({scale for one in seen for scale in one.scales}),
-        fastest=max(one.fastest for one in seen),
-    )
+        raise CutShort(made(f"interrupted after {len(found)} of {len(checks)} questions")) from None
+    return made()
 
 
 def _left_over(subjects: Sequence[Subject]) -> list[Finding]:

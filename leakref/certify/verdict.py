@@ -15,7 +15,7 @@ from typing import Any
 
 from leakref._base import LeakrefError, refusal
 
-__all__ = ["WRONG", "Finding", "Known", "Unanswered", "Verdict", "printable", "read_known"]
+__all__ = ["WRONG", "Finding", "Known", "Refused", "Unanswered", "Verdict", "printable", "read_known"]
 
 
 def printable(text: Any, longest: int = 300) -> str:
@@ -108,6 +108,13 @@ class Unanswered(Exception):
     def __init__(self, verdict: Verdict, message: str) -> None:
         self.verdict, self.message = verdict, printable(message, 1500)
         super().__init__(self.message)
+
+
+class Refused(Unanswered):
+    """It declares what was asked of it and says that it will not: missing."""
+
+    def __init__(self, message: str) -> None:
+        super().__init__(Verdict.MISSING, f"refused: {message}")
 
 
 @dataclass(frozen=True)

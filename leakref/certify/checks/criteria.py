@@ -30,6 +30,7 @@ __all__ = [
     "HALF_AGAIN",
     "IN_THE_MEAN",
     "NEVER",
+    "OTHERS",
     "TOLERANCE",
     "answered",
     "as_array",
@@ -38,8 +39,10 @@ __all__ = [
     "blind_to_backward_waves",
     "each_method",
     "exactly",
+    "exactly_in_words",
     "expected",
     "in_the_mean",
+    "like",
     "score",
     "scored_method",
     "tapered",
@@ -74,16 +77,25 @@ IN_THE_MEAN = (
     "the same method, if that is more."
 )
 """`in_the_mean` in words."""
-EXACT_OR_SCORE = (
-    "Each velocity may be off by 2e-4 c0 (the length of the error), three times what optimisers with default "
-    "tolerances were seen to miss by. An NSP velocity that is further off passes all the same if the reference gives "
-    "it a score within a relative 1e-6 of that of the exact velocity: the maximum is then so flat that no optimiser "
-    "tells the two apart."
+
+
+def exactly_in_words(allowed: str) -> str:
+    """`exactly` in words: how much is `allowed`, and why, and what passes beyond it."""
+    return (
+        f"Each velocity may be off by {allowed}. An NSP velocity that is further off passes all the same if the "
+        "reference gives it a score within a relative 1e-6 of that of the exact velocity: the maximum is then so flat "
+        "that no optimiser tells the two apart."
+    )
+
+
+EXACT_OR_SCORE = exactly_in_words(
+    "2e-4 c0 (the length of the error), three times what optimisers with default tolerances were seen to miss by"
 )
-EXACTLY = EXACT_OR_SCORE + (
+OTHERS = (
     " A method that the reference does not have, or one velocity for the whole band, may be off by the smaller of the "
     "two velocity resolutions."
 )
+EXACTLY = EXACT_OR_SCORE + OTHERS
 """`exactly` in words."""
 
 
@@ -255,10 +267,18 @@ def tolerance(cube: Cube, window: str, method: str) -> FloatArray:
     Least squares, and what else fits strong bins, depends on which bins pass a threshold, and errs by as much and more
     from one sea to the next: it may be off by twice as much more as the reference's least squares is in this one.
     """
+    own = like(cube, window, method)
+    return cube.resolutions[1] + (0.0 if own is None else 2 * np.nan_to_num(np.hypot(*(own - cube.truth).T)))
+
+
+def like(cube: Cube, window: str, method: str) -> FloatArray | None:
+    """What the reference finds in a cube (n, 2) by a method that errs with the sea; None for those that do not.
+
+    For a method that it does not have that is least squares.
+    """
     if method in METHODS and not METHODS[method].errs_with_the_sea:
-        return cube.resolutions[1]
-    own = np.hypot(*(expected(cube, window, method if method in METHODS else "ls").velocities - cube.truth).T)
-    return cube.resolutions[1] + 2 * np.nan_to_num(own)
+        return None
+    return expected(cube, window, method if method in METHODS else "ls").velocities
 
 
 def in_the_mean(subject: Subject, cube: Cube, window: str, method: str) -> Outcome:

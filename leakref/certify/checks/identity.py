@@ -43,5 +43,5 @@ def identify(subject: Subject) -> None:
         finally:
             subject.calls[:] = before
     off = {name: np.hypot(*(found - answers[window, name].velocities).T) for name in METHODS}
-    alike = [name for name, differences in off.items() if np.nanmedian([*differences, np.inf]) <= SAME]
+    alike = [name for name, differences in off.items() if np.median(np.nan_to_num(differences, nan=np.inf)) <= SAME]
     subject.reproduces = alike[0] if alike else OWN

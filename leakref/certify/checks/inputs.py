@@ -54,6 +54,7 @@ GRIDS = {"even": EVEN, "odd": ODD, "prime": PRIME}
 """For aligned waves: long, so that the frequency bins are narrow."""
 SHELLS = (1.25, 1.5, 1.8, 2.15)
 """Wavenumbers at which seas are judged: above the peak, their shells well below Nyquist."""
+_PHASES = (0.3, 1.9)  # of a pair
 
 
 _SQUARE: ContextVar[bool] = ContextVar("square", default=False)
@@ -171,9 +172,6 @@ def pair(grid: Grid, first: tuple[int, int], second: tuple[int, int], near: tupl
     draw = drawing()
     one, two = draw.bins(first, second)
     return _pair(sampling(grid), one, two, draw.near(near), tuple(draw.phases(np.array(_PHASES)).tolist()))
-
-
-_PHASES = (0.3, 1.9)
 
 
 @lru_cache(maxsize=64)

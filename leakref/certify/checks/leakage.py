@@ -99,8 +99,8 @@ def check_flicker(subject: Subject, case: Case) -> Outcome:
     n = np.arange(1, 41)
     k, angle = 1.0 + 1.2 * (n * np.sqrt(2) % 1), 2 * np.pi * (n * np.sqrt(3) % 1)
     current = UniformCurrent((0.1, 0.05))
-    (nx, ny, _), (dx, dy, _) = (grid := inputs.drawn(SEA)).shape, grid.spacing
-    grid = Grid((nx, ny, SEA.shape[2]), (dx, dy, SEA.spacing[2]))  # its frequencies kept: the texture is near Nyquist
+    drawn = inputs.drawn(SEA)  # but for its frequencies, since the texture is near Nyquist
+    grid = Grid((*drawn.shape[:2], SEA.shape[2]), (*drawn.spacing[:2], SEA.spacing[2]))
     local = inputs.waves(grid, k * np.cos(angle), k * np.sin(angle), (1.4, 1.6, 1.8), current)
     waves, strength = local.components, np.full(n.size, case.given.get("strength", 100.0))
     flicker = np.full(n.size, 38.5 * local.grid.frequency_resolution)

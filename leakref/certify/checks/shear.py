@@ -16,8 +16,8 @@ from leakref.certify.checks.criteria import (
     IN_THE_MEAN,
     ask,
     each_method,
-    expected,
     in_the_mean,
+    like,
     tapered,
     unflagged,
     vector,
@@ -28,7 +28,6 @@ from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Unanswered, Verdict
 from leakref.currents import ExponentialCurrent, LinearCurrent
 from leakref.grid import Grid
-from leakref.methods import METHODS
 
 __all__ = ["check_band", "check_profile", "check_slope"]
 
@@ -96,9 +95,8 @@ def check_slope(subject: Subject, case: Case) -> Outcome:
             raise Unanswered(Verdict.MISSING, f"answers {int(there.sum())} wavenumbers, four show a change")
         own, should = _slope(cube, found, there), _slope(cube, cube.truth, there)
         allowed = 0.6 * float(np.hypot(*should))
-        if method not in METHODS or METHODS[method].errs_with_the_sea:
-            like = expected(cube, window, method if method in METHODS else "ls").velocities
-            allowed = max(allowed, HALF_AGAIN * float(np.hypot(*(_slope(cube, like, there) - should))))
+        if (least_squares := like(cube, window, method)) is not None:
+            allowed = max(allowed, HALF_AGAIN * float(np.hypot(*(_slope(cube, least_squares, there) - should))))
         return Outcome(
             float(np.hypot(*(own - should))) / allowed,
             f"with log k it changes by {vector(own)}, should be {vector(should)}",

@@ -6,12 +6,11 @@ import numpy as np
 
 from leakref._base import FloatArray
 from leakref.certify.checks import inputs
-from leakref.certify.checks.criteria import ask, each_method, expected, tapered, untapered, vector
+from leakref.certify.checks.criteria import ask, each_method, like, tapered, untapered, vector
 from leakref.certify.checks.inputs import polar
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.subject.frames import Subject
 from leakref.currents import UniformCurrent
-from leakref.methods import METHODS
 
 __all__ = ["check_aligned", "check_sea", "image"]
 
@@ -86,10 +85,9 @@ def check_sea(subject: Subject, case: Case) -> Outcome:
         found, there = ask(subject, cube, window, method)
         mean, truth = found[there].mean(axis=0), cube.truth[0]
         outcome = _turned_away(mean, truth)
-        if outcome.over > 1 and (method not in METHODS or METHODS[method].errs_with_the_sea):
-            own = expected(cube, window, method if method in METHODS else "ls").velocities[there]
-            if np.isfinite(own).all() and (less := _turned_away(mean - own.mean(axis=0) + truth, truth)).over <= 1:
-                return less
+        if outcome.over > 1 and (least_squares := like(cube, window, method)) is not None:
+            without = _turned_away(mean - least_squares[there].mean(axis=0) + truth, truth)
+            return without if without.over <= 1 else outcome
         return outcome
 
     return each_method(subject, judge)

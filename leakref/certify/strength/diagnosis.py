@@ -119,7 +119,7 @@ def explain(certificate: Certificate, *, deep: bool = False, after_each: Step = 
         certificate.wrong,
         certificate.declaration,
         seed=certificate.seed,
-        golden=int(certificate.golden.removeprefix("v")),
+        golden=certificate.set_number,
         deep=deep,
         after_each=after_each,
     )

@@ -18,7 +18,7 @@ import numpy as np
 from leakref._base import ComplexArray, FloatArray
 from leakref.certify.subject.declaration import STAGES, Declaration
 from leakref.certify.subject.frames import Subject
-from leakref.certify.verdict import Unanswered, Verdict
+from leakref.certify.verdict import Refused, Unanswered, Verdict
 from leakref.sea import Components
 
 __all__ = ["Implementation", "InProcess", "accepts", "call", "describe", "offer", "takes_wavenumbers"]
@@ -76,7 +76,7 @@ class InProcess(Subject):
             ]
             return answer
         except NotImplementedError as error:
-            raise Unanswered(Verdict.MISSING, f"refused: {str(error) or f'{stage} is not implemented'}") from error
+            raise Refused(str(error) or f"{stage} is not implemented") from error
         except Unanswered:
             raise
         except Exception as error:

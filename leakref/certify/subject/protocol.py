@@ -28,7 +28,7 @@ from leakref.certify.subject.child import Breach, Child
 from leakref.certify.subject.declaration import Declaration
 from leakref.certify.subject.exchange import Exchange
 from leakref.certify.subject.frames import Subject
-from leakref.certify.verdict import Unanswered, Verdict, printable
+from leakref.certify.verdict import Refused, Unanswered, Verdict, printable
 from leakref.ending import last_resorts
 from leakref.grid import Grid
 from leakref.sea import aligned_waves
@@ -310,7 +310,7 @@ class ProcessSubject(Subject):
         if status == "error":
             self._exchange.check_space()
         if status == "unsupported":
-            raise Unanswered(Verdict.MISSING, f"refused: {message}")  # though it was declared
+            raise Refused(message)
         if status != "ok":
             raise Unanswered(
                 Verdict.ERROR,
