@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shlex
 import sys
+from dataclasses import replace
 
 import jsonschema
 import pytest
@@ -252,6 +253,9 @@ def test_what_was_found_before_an_interruption_is_told(monkeypatch, capsys, tmp_
     assert record["scope"]["peak_wavelengths"]  # of what it had answered
     assert json.loads((tmp_path / "certificate.json").read_text())["complete"] is False
     assert "Cut short" in (tmp_path / "certificate.html").read_text()
+    with pytest.raises(KeyboardInterrupt):
+        commands.run(replace(request, target="reference"), json=True)
+    assert json.loads(capsys.readouterr().out)["grade"] is None  # what is right so far is no verdict
 
 
 def test_a_diagnosis_that_is_interrupted_leaves_the_findings(monkeypatch, capsys):

@@ -65,6 +65,7 @@ def test_grids_and_currents_stay_near_what_tolerances_were_derived_for():
     for seed in range(2, 40):
         draw = Draw(seed)
         other = draw.grid(inputs.SEA)
+        assert other != inputs.SEA
         assert np.abs(np.subtract(other.shape, inputs.SEA.shape)).max() <= 3
         assert np.all(np.divide(other.lengths, inputs.SEA.lengths) >= 1 - 1e-12)
         assert np.all(np.divide(other.lengths, inputs.SEA.lengths) <= 1.08)
