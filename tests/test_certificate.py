@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from dataclasses import replace
+from threading import Event
 from xml.etree import ElementTree
 
 import jsonschema
@@ -11,7 +13,10 @@ import pytest
 from leakref import LeakrefError
 from leakref.certify.certificate import Certificate, junit, schema
 from leakref.certify.report import badge, sentence
-from leakref.certify.verdict import Finding, Known, Verdict, read_known
+from leakref.certify.runner import CutShort, certify, select
+from leakref.certify.subject.inprocess import InProcess
+from leakref.certify.verdict import Finding, Known, Unanswered, Verdict, read_known
+from leakref.chain import reference
 
 PASS, FAIL, MISSING, UNSUPPORTED, ERROR, TIMEOUT = Verdict
 SAID = {"name": "x", "version": "1", "units": "si", "axes": "xyt", "y": "up", "direction": "to", "fixed": []}
@@ -217,3 +222,43 @@ def test_known_failures_carry_their_reason(tmp_path):
     assert read_known(path) == {"signs.sea[x]": Known("signs.sea[x]", "rows count downwards", "example.org/7")}
     with pytest.raises(LeakrefError, match="cannot be read"):
         read_known(tmp_path / "none.toml")
+
+
+class Endless(InProcess):
+    """Answers nothing until it is ended, and then, as a program that was killed, wrongly."""
+
+    def __init__(self, asked: Event) -> None:
+        super().__init__(reference)
+        self.asked, self.told = asked, Event()
+
+    def _work(self, *given):
+        self.asked.set()
+        assert self.told.wait(60)
+        self.violations.append("left a file where none should be")
+        raise Unanswered(Verdict.ERROR, "is not asked any more")
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *error):
+        pass
+
+    def interrupt(self):
+        self.told.set()
+
+
+def test_what_a_session_does_that_was_ended_is_not_held_against_the_code():
+    asked = Event()
+
+    def impatient(found):
+        assert asked.wait(60)  # the other session is at a check
+        raise KeyboardInterrupt
+
+    pairs = select(["signs.aligned"], profile="quick")
+    with pytest.raises(CutShort) as cut:
+        certify(
+            "code", [nullcontext(InProcess(reference)), Endless(asked)], pairs, profile="quick", after_each=impatient
+        )
+    part = cut.value.certificate
+    assert [f.verdict for f in part.findings] == [PASS]
+    assert (part.grade, part.unasked, part.cut_short) == (None, 3, "interrupted after 1 of 4 questions")

@@ -22,6 +22,7 @@ from dataclasses import replace
 from datetime import UTC, datetime
 from fnmatch import fnmatchcase
 from queue import Empty, SimpleQueue
+from threading import Event
 from time import perf_counter
 
 from leakref._base import LeakrefError
@@ -86,11 +87,14 @@ def certify(
     for number in range(len(checks)):
         waiting.put(number)
     found: dict[int, Finding] = {}
+    ended = Event()  # what a session that was ended says of the code is no finding
 
     def work(subject: Subject) -> None:
         for number in _taken(waiting):
-            (found[number],) = run_checks([checks[number]], subject)
-            after_each(found[number])
+            (finding,) = run_checks([checks[number]], subject)
+            if not ended.is_set():
+                found[number] = finding
+                after_each(finding)
 
     opened: list[Subject] = []
 
@@ -106,7 +110,7 @@ def certify(
             profile,
             f"v{golden}",
             subject.declaration.record(),
-            [found[number] for number in sorted(found)] + _left_over(opened),
+            [found[number] for number in sorted(found)] + ([] if cut_short else _left_over(opened)),
             known,
             seconds=perf_counter() - start,
             date=datetime.now(UTC).isoformat(timespec="seconds"),
@@ -129,6 +133,7 @@ def certify(
                 for done in beside:
                     done.result()
             except BaseException:
+                ended.set()
                 deque(_taken(waiting), maxlen=0)
                 for session in subjects:
                     getattr(session, "interrupt", bool)()  # what they are at is not waited for
