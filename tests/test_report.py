@@ -158,3 +158,13 @@ def test_the_page_says_how_the_run_is_repeated():
         )
         assert escape(found.again) in page(found)
     assert "<pre></pre>" not in page(certificate())
+
+
+def test_what_is_not_offered_is_a_line_a_family():
+    found = certificate()
+    beyond = [replace(f, verdict=Verdict.UNSUPPORTED) for f in found.findings if f.family == "shear"]
+    said = page(replace(found, findings=[f for f in found.findings if f.family != "shear"] + beyond))
+    assert len(beyond) > 1
+    assert said.count(f"{len(beyond)} questions about what it does not offer") == 1
+    assert not [f.id for f in beyond if f'<span class="id">{f.id}' in said]
+    assert all(said.count(f"<code>{f.id}</code>") == 1 for f in beyond)

@@ -31,7 +31,7 @@ def identify(subject: Subject) -> None:
     d = subject.declaration
     if subject.reproduces or d.methods or d.band or not subject.offers("extract"):
         return
-    subject.reproduces, before = OWN, list(subject.calls)
+    subject.reproduces = OWN
     window = next((name for name in ("hann", *d.windows) if name in d.windows), "hann")
     with inputs.asked(square="dy" in d.fixed, seed=PUBLISHED):
         cube = inputs.sea(40.0, 180.0, UniformCurrent(inputs.polar(0.2, 75.0)), realization=3)
@@ -40,8 +40,6 @@ def identify(subject: Subject) -> None:
             found = subject.extract(cube.surface, cube.spacing, cube.wavenumbers, window=window).values
         except Unanswered:
             return
-        finally:
-            subject.calls[:] = before
     off = {name: np.hypot(*(found - answers[window, name].velocities).T) for name in METHODS}
     alike = [name for name, differences in off.items() if np.median(np.nan_to_num(differences, nan=np.inf)) <= SAME]
     subject.reproduces = alike[0] if alike else OWN

@@ -171,9 +171,10 @@ def diagnose(
     clues = _clues(findings, ways[0])
     if not clues:
         return Diagnosis((), "")
-    for way in ways:
-        for where, evidence, hypotheses in _attempts(findings, deep):
-            best, plain = _tried(_clues(evidence, way), [(), *hypotheses], after_each)
+    for where, evidence, given in _attempts(findings, deep):
+        hypotheses = [(), *given]
+        for way in ways:
+            best, plain = _tried(_clues(evidence, way), hypotheses, after_each)
             if _explains(best, plain):
                 alike = [_hypothesis(names, digits) for names, digits in best if digits >= best[0][1] - _ALIKE]
                 return Diagnosis(tuple(alike), where + _sentence(alike))
