@@ -306,6 +306,22 @@ def test_a_code_that_always_tapers_is_judged_tapered():
         assert verdict is (Verdict.UNSUPPORTED if bare else Verdict.PASS), identifier
 
 
+@pytest.mark.parametrize(("beyond", "verdict"), [(-0.5, "pass"), (0.45, "pass"), (0.55, "fail"), (-3.0, "fail")])
+def test_one_velocity_for_two_currents_lies_between_them_or_half_their_distance_outside(beyond, verdict):
+    class Between:
+        def describe(self):
+            return {"can": {"extract": {"methods": ["one"], "resolves": "band"}}}
+
+        def extract(self, surface, spacing, wavenumbers, *, gravity, window, method):
+            return [[max(low[0], high[0]) + beyond * np.hypot(*np.subtract(high, low)), (low[1] + high[1]) / 2]]
+
+    low, high = (
+        inputs.pair(inputs.EVEN, *bins).truth[0]
+        for bins in (((4, 1), (-2, 4), (0.2, -0.1)), ((9, -4), (5, 8), (-0.15, 0.1)))
+    )
+    assert run_check("recovery.two-shells[even]", InProcess(Between())).verdict == verdict
+
+
 def test_one_velocity_for_the_band_is_judged_on_what_it_claims():
     found = verdicts(Band(), "signs", "recovery", "shear", "behaviour.order")
     unsupported = {i for i, verdict in found.items() if verdict is Verdict.UNSUPPORTED}

@@ -133,6 +133,15 @@ def test_all_that_is_to_do_is_done_once():
     assert {job.id for job in todo if job.kind == "fault"} == set(FAULTS)
 
 
+@pytest.mark.parametrize(("seed", "asked"), [(None, 3), (5, 3), (500, 1)])
+def test_a_seed_asks_what_a_run_draws_and_the_first_of_each_variant_more(monkeypatch, seed, asked):
+    """The statistical check has a count of its own, and what a run does not draw is tried once for each."""
+    few = [select([name], profile="quick")[0] for name in ("signs.aligned", "leakage.bias", "shear.profile")]
+    monkeypatch.setattr(study, "select", lambda **_: few)
+    record = study.variant_record("si", seed)
+    assert (record["checks"], record["wrong"]) == (asked, {})
+
+
 def test_classes_are_faults_with_the_same_effects():
     records = [
         {"id": name, "over": {"a": a, "b": b}}
