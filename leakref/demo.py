@@ -117,7 +117,12 @@ def _certify(out: Path) -> tuple[list[dict[str, Any]], Path]:
         for target in ("reference", f"fault:{_FAULT}"):
             subject = InProcess(load(target))
             found[target] = certify(
-                target, [nullcontext(subject)], checks, profile="quick", after_each=lambda finding: step()
+                target,
+                [nullcontext(subject)],
+                checks,
+                profile="quick",
+                only=_CHECKS,
+                after_each=lambda finding: step(),
             )
     with progress_bar("faults compared with what fell short", None) as step:
         caught = explain(found[f"fault:{_FAULT}"], after_each=step)

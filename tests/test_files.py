@@ -7,6 +7,7 @@ import pickle
 import re
 import struct
 import sys
+import time
 import tracemalloc
 import zipfile
 from dataclasses import fields
@@ -52,6 +53,7 @@ def test_the_same_cube_gives_the_same_bytes_under_any_name(tmp_path, format, mon
     one = files.write(tmp_path / "one.dat", small_cube(), format, {"case": "a"}).read_bytes()
     monkeypatch.setattr("time.time", lambda: 1e9)
     monkeypatch.setattr("time.asctime", lambda *_: "another day")
+    time.sleep(1.1 if format == "netcdf" else 0)  # HDF5 asks the system itself, and for whole seconds
     assert files.write(tmp_path / "two", small_cube(), format, {"case": "a"}).read_bytes() == one
 
 
