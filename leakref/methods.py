@@ -23,7 +23,9 @@ class Method:
     defaults. `score(shell, velocity, width)` says how good any velocity is, higher being better, if the method
     maximises something. `silences` are the notes beside which there is never a number. What certify allows:
     `errs_with_the_sea`, where the error in one sea may well exceed the resolution, so that others are allowed what the
-    reference itself errs by; `backwards`, whether it can see waves that a current sweeps backwards.
+    reference itself errs by; `backwards`, whether it can see waves that a current sweeps backwards; `exact_on_bins`,
+    whether waves on bins of an untapered cube give the current exactly whatever weights and whichever shell it is made
+    with.
     """
 
     id: str
@@ -35,6 +37,7 @@ class Method:
     silences: Note = Note.NO_SIGNAL
     errs_with_the_sea: bool = True
     backwards: bool = False
+    exact_on_bins: bool = False
 
 
 METHODS = {record.id: record for record in (
@@ -42,7 +45,7 @@ METHODS = {record.id: record for record in (
            {"peak_wavenumber": None, "width": nsp.WIDTH, "search": True}, nsp.normalized_scalar_product,
            Note.NO_SIGNAL | Note.UNCONVERGED, errs_with_the_sea=False, backwards=True),
     Method("ls", "LS", "least squares", leastsquares.extract, {"threshold": leastsquares.THRESHOLD}, None,
-           Note.NO_SIGNAL | Note.UNCONVERGED | Note.TOO_FEW_BINS),  # omega >= 0 only (decision D19)
+           Note.NO_SIGNAL | Note.UNCONVERGED | Note.TOO_FEW_BINS, exact_on_bins=True),  # omega >= 0 only (decision D19)
 )}  # fmt: skip
 """Every method by id."""
 

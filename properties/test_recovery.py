@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 
-from leakref.certify.checks.criteria import EXACT, FLATTER, exactly, score, vector
+from leakref.certify.checks.criteria import score, vector
+from leakref.certify.checks.exact import EXACT, FLATTER, exactly
 from leakref.certify.checks.inputs import Cube
 
 from .examined import PRECISION, Examined

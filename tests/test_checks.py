@@ -8,13 +8,15 @@ import numpy as np
 import pytest
 
 from leakref import Components, Grid, LeakrefError
-from leakref.certify.checks import criteria, inputs, registry
+from leakref.altered import altered
+from leakref.certify.checks import criteria, exact, inputs, registry
 from leakref.certify.checks.criteria import expected, score, unflagged
 from leakref.certify.checks.inputs import SEA, SHELLS, pair, sea
 from leakref.certify.checks.registry import CHECKS, FAMILIES, Outcome
 from leakref.certify.checks.signs import image
 from leakref.certify.checks.statistics import FALSE_ALARMS, TESTS, excess, share
 from leakref.certify.runner import run_check, select
+from leakref.certify.strength.faults import FAULTS
 from leakref.certify.subject.inprocess import InProcess
 from leakref.certify.verdict import Unanswered, Verdict
 from leakref.chain import Reference, extract, reference
@@ -128,6 +130,14 @@ class Restless(Reference):
         return super().extract(*cube, **settings) + 1e-15 * self.count
 
 
+class Floored(Reference):
+    """Wavenumbers are cut to whole bins."""
+
+    def extract(self, surface, spacing, wavenumbers, **settings):
+        dk = max(2 * np.pi / (n * d) for n, d in zip(surface.shape[:2], spacing, strict=False))
+        return super().extract(surface, spacing, np.floor(np.asarray(wavenumbers) / dk) * dk, **settings)
+
+
 def spoiling(surface):
     surface *= 2.0
     return surface
@@ -164,6 +174,8 @@ MISTAKES = {
             "signs.aligned",
             "recovery.pair",
             "recovery.single",
+            "recovery.ring",
+            "recovery.shells",
             "currents.strong",
             "scale.duration",
             "conformance.sea",
@@ -193,6 +205,9 @@ MISTAKES = {
     "one for all": (Planted(after=uniform), ["shear.profile", "shear.slope", "behaviour.order"]),
     "upside down": (Planted(after=upside_down), ["shear.slope", "behaviour.order", "recovery.two-shells"]),
     "units": (Planted(after=unscaled), ["scale.peak"]),
+    "power": (altered(FAULTS["power-for-magnitude"].changes).chain.reference, ["recovery.weights"]),
+    "whole bins": (Floored(), ["behaviour.asked"]),
+    "gravity": (Planted(gravity=1.0), ["scale.gravity"]),
     "half the frames": (Planted(before=first_half), ["conformance.sea"]),
     "loud": (Loud(), ["synthesis.energy", "synthesis.single", "conformance.surface"]),
     "drawn": (Drawn(), ["synthesis.mean-energy", "synthesis.energy"]),
@@ -302,7 +317,7 @@ def test_what_is_not_offered_is_not_judged():
 def test_a_code_that_always_tapers_is_judged_tapered():
     found = verdicts(Only(), "signs", "recovery", "metamorphic.reversal", "scale")
     for identifier, verdict in found.items():
-        bare = any(word in identifier for word in ("aligned", "pair", "single", "two-shells", "untapered"))
+        bare = any(word in identifier for word in ("untapered",))
         assert verdict is (Verdict.UNSUPPORTED if bare else Verdict.PASS), identifier
 
 
@@ -326,7 +341,18 @@ def test_one_velocity_for_the_band_is_judged_on_what_it_claims():
     found = verdicts(Band(), "signs", "recovery", "shear", "behaviour.order")
     unsupported = {i for i, verdict in found.items() if verdict is Verdict.UNSUPPORTED}
     assert unsupported == {
-        i for i in found if i.startswith(("shear.profile", "shear.slope", "behaviour.order", "recovery.single"))
+        i
+        for i in found
+        if i.startswith(
+            (
+                "shear.profile",
+                "shear.slope",
+                "behaviour.order",
+                "recovery.single",
+                "recovery.shells",
+                "recovery.weights",
+            )
+        )
     }
     assert {verdict for i, verdict in found.items() if i not in unsupported} == {Verdict.PASS}
     assert set(verdicts(Band(plus=0.3), "shear.band").values()) == {Verdict.FAIL}
@@ -337,15 +363,34 @@ def test_least_squares_alone_is_not_asked_what_it_cannot_know():
     assert set(found.values()) == {Verdict.UNSUPPORTED}
 
 
-def test_another_method_is_held_to_resolutions_not_to_digits():
-    other = Only(methods=["fit"], windows=["box", "hann"])
-    other.extract = lambda *cube, gravity=1.0, window="hann", method="": np.round(
-        Reference.extract(reference, *cube, gravity=gravity, window=window), 2
+def answering(change, **said):
+    """A code of the reference's NSP whose velocities (n, 2) under a window are changed."""
+    other = Only(**said)
+    other.extract = lambda *cube, gravity=1.0, window="hann", method="": change(
+        Reference.extract(reference, *cube, gravity=gravity, window=window), window
     )
-    found = verdicts(other, "recovery", "currents.aligned", "leakage.aligned", "leakage.bias")
-    assert {verdict for i, verdict in found.items() if "single" not in i} == {Verdict.PASS}
-    other.describe = lambda: {"can": {"extract": {"methods": ["nsp"], "windows": ["box", "hann"]}}}
-    assert Verdict.FAIL in verdicts(other, "recovery.pair").values()
+    return other
+
+
+def test_another_method_is_held_to_resolutions_not_to_digits():
+    rough = answering(lambda c, window: np.round(c, 2), methods=["fit"], windows=["box", "hann"])
+    found = verdicts(rough, "recovery", "currents.aligned", "leakage.aligned", "leakage.bias")
+    fine = {i for i in found if "ring" in i}  # where nothing favours a method
+    assert {verdict for i, verdict in found.items() if "single" not in i and "weights" not in i and i not in fine} == {
+        Verdict.PASS
+    }
+    assert Verdict.FAIL in {found[i] for i in fine}
+
+
+def test_who_finds_the_reference_in_a_sea_is_held_to_digits_on_bins():
+    """And who does not is another make, to be held to resolutions, and to a tenth where nothing favours a make."""
+    off = answering(lambda c, window: c + 3e-4 * (window == "box"), methods=["nsp"], windows=["box", "hann"])
+    finding = run_check("recovery.pair[even-1]", InProcess(off))
+    assert finding.verdict is Verdict.FAIL
+    assert "declare a method of another name" in finding.message
+    other = answering(lambda c, window: c + 0.02, methods=["nsp"], windows=["box", "hann"])
+    assert run_check("recovery.pair[even-1]", InProcess(other)).verdict is Verdict.PASS
+    assert run_check("recovery.ring[moving]", InProcess(other)).verdict is Verdict.FAIL
 
 
 def test_numbers_that_are_declined_are_missing_or_left_out():
@@ -477,17 +522,17 @@ def test_exact_answers_may_be_off_by_a_little_or_by_nothing_in_score(subject):
     step = np.array([1.0, 0.0])
 
     def over(method, size):
-        return criteria.exactly(subject, cube, "hann", method, best + size * step, best)
+        return exact.exactly(subject, cube, "hann", method, best + size * step, best)
 
     np.testing.assert_allclose(over("ls", 2.1e-4), 1.05, rtol=1e-9)
     assert over("nsp", 2.1e-4).max() < 1  # more than is allowed by argument, less by score
     assert over("nsp", 0.02).min() > 1
     for far in (1.3, 74.0, -74.0, 1e6):  # where next to nothing of G is left, whatever there is may score high
-        np.testing.assert_allclose(over("nsp", far), abs(far) / criteria.EXACT, rtol=1e-9)
+        np.testing.assert_allclose(over("nsp", far), abs(far) / exact.EXACT, rtol=1e-9)
     two, far = pair(inputs.EVEN, (5, 3), (-2, 5), (0.1, 0.2)), np.array([[-58.88, 96.42]])
     k = float(two.wavenumbers[0])
     assert score(two, "box", k, far[0]) > 20 * score(two, "box", k, two.truth[0])
-    assert criteria.exactly(subject, two, "box", "nsp", far, two.truth[:1]).min() > 1e5
+    assert exact.exactly(subject, two, "box", "nsp", far, two.truth[:1]).min() > 1e5
     assert over("fit", 0.02).max() < 1
 
 

@@ -13,7 +13,7 @@ import pytest
 import leakref
 from leakref import Grid, LeakrefError, SeaState, analyse, ensemble, fast, figures, leakage, leastsquares, nsp, runs
 from leakref.cases import CASES
-from leakref.certify.checks import criteria, inputs
+from leakref.certify.checks import criteria, exact, inputs
 from leakref.certify.subject.inprocess import InProcess
 from leakref.dispersion import DEEP, Water
 from leakref.golden import ids, oracle
@@ -87,8 +87,8 @@ def test_certify_holds_it_to_its_own_reference(registered):
     subject = InProcess(Code())
     assert criteria.in_the_mean(subject, cube, "hann", "fixed").over < 1  # off by what the reference errs by
     found, _ = criteria.ask(subject, cube, "hann", "fixed")
-    beyond = criteria.exactly(subject, cube, "hann", "fixed", found + 1e-3, found)
-    np.testing.assert_allclose(beyond, np.hypot(1e-3, 1e-3) / criteria.EXACT, rtol=1e-9)  # it has no score to be kinder
+    beyond = exact.exactly(subject, cube, "hann", "fixed", found + 1e-3, found)
+    np.testing.assert_allclose(beyond, np.hypot(1e-3, 1e-3) / exact.EXACT, rtol=1e-9)  # it has no score to be kinder
 
 
 def test_golden_values_figures_and_plans_name_it_as_itself(registered):

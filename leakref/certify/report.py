@@ -96,6 +96,8 @@ def _declared(said: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     for name in ("units", "axes", "y", "direction"):
         yield name, str(said[name])
     yield "fixed", ", ".join(said["fixed"]) or "nothing"
+    if "cube" in said:
+        yield "smallest cube", " x ".join(map(str, said["cube"]["smallest"])) + " samples along x, y, t"
     for stage, what in said["can"].items():
         told = "; ".join(
             f"{name} {', '.join(map(str, v)) or 'none' if isinstance(v, list | tuple) else v}"

@@ -30,7 +30,15 @@ from leakref.currents import ExponentialCurrent, UniformCurrent
 from leakref.grid import Grid
 from leakref.sea import SeaState
 
-__all__ = ["check_deterministic", "check_input", "check_order", "check_past_nyquist", "check_refuses", "check_sizes"]
+__all__ = [
+    "check_asked",
+    "check_deterministic",
+    "check_input",
+    "check_order",
+    "check_past_nyquist",
+    "check_refuses",
+    "check_sizes",
+]
 
 SIZES = {
     "odd": Grid((47, 45, 75), (0.66, 0.7, 0.84)),
@@ -144,6 +152,43 @@ def check_sizes(subject: Subject, case: Case) -> Outcome:
     side if the coarser axis sets its width."""
     cube = _sea(1.25, 1.5, 2.1, grid=SIZES[case.id])
     return each_method(subject, lambda method: in_the_mean(subject, cube, tapered(subject), method))
+
+
+@check(
+    "behaviour",
+    "eq:maskedSpec",
+    "There is no tolerance: in a sea that changes with wavenumber two different questions have the same answer, to a "
+    "relative 1e-9, at each of three pairs of wavenumbers within one bin, or they have not.",
+    [Case("within-a-bin")],
+)
+def check_asked(subject: Subject, case: Case) -> Outcome:
+    """Asked at two wavenumbers of which one is nearly a bin above the other, a code that answers the same to the last
+    digit has cut both to the same whole number of bins: what it returns belongs to another wavenumber than asked, by
+    up to a whole bin. If it has wavenumbers of its own, it should say which (`fixed`)."""
+    if "wavenumbers" in subject.declaration.fixed or subject.declaration.band:
+        raise Unanswered(Verdict.UNSUPPORTED, "cannot be told which wavenumbers")
+    side = 2 * np.pi / 0.2
+    grid = Grid((50, 46, 80), (side / 50, side / 46, 0.78))
+    bins = np.array([5, 7, 9])[:, None] + [0.15, 0.85]
+    cube = _sea(*(0.2 * bins).ravel().tolist(), grid=grid)
+    # drawn grids have unequal sides; this one, whose questions are of no family that is drawn, keeps them
+
+    def judge(method: str) -> Outcome:
+        found, there = ask(subject, cube, _any_window(subject), method)
+        pairs = found.reshape(3, 2, 2)
+        both = there.reshape(3, 2).all(axis=1)
+        if not both.any():
+            raise Unanswered(Verdict.MISSING, "has no two answers within a bin")
+        same = np.abs(pairs[:, 0] - pairs[:, 1]).max(axis=1) <= 1e-9 * np.abs(pairs).max(axis=(1, 2))
+        cut = bool(both.sum() > 1 and same[both].all())
+        return Outcome(
+            NEVER if cut else 0.0,
+            "at k = 5.15 and 5.85 dk (and so on) the answers are "
+            + ("the same: k is cut to whole bins" if cut else "different"),
+            figures={"wavenumbers": cube.wavenumbers.tolist(), "velocities": found.tolist()},
+        )
+
+    return each_method(subject, judge)
 
 
 def _refused(subject: Subject, cube: Cube, surface: FloatArray, method: str) -> tuple[bool, str]:

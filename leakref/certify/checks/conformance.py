@@ -15,7 +15,8 @@ import numpy as np
 
 from leakref._base import FloatArray
 from leakref.certify.checks import inputs
-from leakref.certify.checks.criteria import EXACT, as_array, as_good, expected, unflagged, verdict
+from leakref.certify.checks.criteria import as_array, expected, unflagged, verdict
+from leakref.certify.checks.exact import EXACT, as_good
 from leakref.certify.checks.inputs import Cube, polar
 from leakref.certify.checks.registry import CHECKS, Case, Check, Outcome, check
 from leakref.certify.subject.frames import Subject

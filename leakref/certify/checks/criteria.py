@@ -15,36 +15,29 @@ from leakref.certify.checks.registry import Outcome
 from leakref.certify.subject.frames import Subject, Velocities
 from leakref.certify.verdict import Unanswered, Verdict
 from leakref.methods import METHODS
-from leakref.nsp import WIDTH, score_range
+from leakref.nsp import WIDTH
 from leakref.shell import Extraction, shell_at
 from leakref.spectrum import Spectrum, fourier
 from leakref.window import WINDOWS
 
 __all__ = [
     "DECLINED",
-    "EXACT",
-    "EXACTLY",
-    "EXACT_OR_SCORE",
-    "FLATTER",
     "FRACTION",
     "HALF_AGAIN",
     "IN_THE_MEAN",
     "NEVER",
-    "OTHERS",
     "TOLERANCE",
     "answered",
     "as_array",
-    "as_good",
     "ask",
     "blind_to_backward_waves",
     "each_method",
-    "exactly",
-    "exactly_in_words",
     "expected",
     "in_the_mean",
     "like",
     "score",
     "scored_method",
+    "spectrum_of",
     "tapered",
     "tolerance",
     "unflagged",
@@ -54,10 +47,6 @@ __all__ = [
     "worst",
 ]
 
-EXACT = 2e-4
-"""In c0: three times by how much optimisers at default tolerances were seen to miss what is exact."""
-FLATTER = 1e-6
-"""Relative: a velocity whose score is this near the best one is as good as it; 1.4e-3 c0 at unit curvature."""
 FRACTION = 0.1
 """Of the smaller resolution (eq:dcdwk): how near answers must be that ought to be the same."""
 HALF_AGAIN = 1.5
@@ -77,26 +66,6 @@ IN_THE_MEAN = (
     "the same method, if that is more."
 )
 """`in_the_mean` in words."""
-
-
-def exactly_in_words(allowed: str) -> str:
-    """`exactly` in words: how much is `allowed`, and why, and what passes beyond it."""
-    return (
-        f"Each velocity may be off by {allowed}. An NSP velocity that is further off passes all the same if the "
-        "reference gives it a score within a relative 1e-6 of that of the exact velocity: the maximum is then so flat "
-        "that no optimiser tells the two apart."
-    )
-
-
-EXACT_OR_SCORE = exactly_in_words(
-    "2e-4 c0 (the length of the error), three times what optimisers with default tolerances were seen to miss by"
-)
-OTHERS = (
-    " A method that the reference does not have, or one velocity for the whole band, may be off by the smaller of the "
-    "two velocity resolutions."
-)
-EXACTLY = EXACT_OR_SCORE + OTHERS
-"""`exactly` in words."""
 
 
 def tapered(subject: Subject) -> str:
@@ -183,44 +152,6 @@ def as_array(
     turn = -1 if subject.declaration.y == "down" else 1
     found = subject.extract(surface[:, ::turn], spacing, wavenumbers, window=window, method=method)
     return found.values * [1, turn], answered(subject, found, needed)
-
-
-def exactly(
-    subject: Subject,
-    cube: Cube,
-    window: str,
-    method: str,
-    found: FloatArray,
-    should: FloatArray,
-    allowed: FloatArray | float = EXACT,
-) -> FloatArray:
-    """Error over tolerance at each wavenumber, (n,), of velocities (n, 2) that are known exactly.
-
-    `allowed` in c0, or for the NSP a score within `FLATTER` of that of the exact velocity, whichever is kinder. A
-    method the reference does not have, or one velocity for the whole band, may be off by the smaller resolution.
-    """
-    error = np.hypot(*(found - should).T)
-    if method not in METHODS or subject.declaration.band:
-        return error / cube.resolutions[0]
-    return as_good(error / allowed, cube, window, method, found, should)
-
-
-def as_good(
-    over: FloatArray, cube: Cube, window: str, method: str, found: FloatArray, should: FloatArray
-) -> FloatArray:
-    """Error over tolerance (n,) by the score, where that is kinder: of methods that maximise one.
-
-    No answer passes by its score that lies beyond the range in which a score means anything (`nsp.score_range`).
-    """
-    if method in METHODS and METHODS[method].score:
-        a = WIDTH * cube.grid.frequency_resolution
-        for n in np.flatnonzero(over > 1):
-            shell = shell_at(_spectrum(cube, window), float(cube.wavenumbers[n]))
-            if not np.hypot(*found[n]) <= score_range(shell, a, 1.0):
-                continue
-            best, own = (score(cube, window, float(cube.wavenumbers[n]), c[n], method) for c in (should, found))
-            over[n] = min(over[n], max((1 - own / best) / FLATTER, 0.0))
-    return over
 
 
 def scored_method(subject: Subject, otherwise: str) -> str:
@@ -319,7 +250,8 @@ def unflagged(cube: Cube, window: str, method: str) -> npt.NDArray[np.bool_]:
 
 
 @lru_cache(maxsize=8)
-def _spectrum(cube: Cube, window: str) -> Spectrum:
+def spectrum_of(cube: Cube, window: str) -> Spectrum:
+    """What the reference makes of the cube."""
     return fourier(cube.surface, cube.grid, window, workers=1)
 
 
@@ -327,5 +259,5 @@ def score(cube: Cube, window: str, wavenumber: float, velocity: FloatArray, meth
     """What a method maximises, N of eq:normSp for the NSP, at a velocity (2,), as the reference sees the cube."""
     maximised = METHODS[method].score
     assert maximised is not None
-    shell = shell_at(_spectrum(cube, window), wavenumber)
+    shell = shell_at(spectrum_of(cube, window), wavenumber)
     return maximised(shell, velocity, WIDTH * cube.grid.frequency_resolution)

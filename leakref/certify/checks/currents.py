@@ -12,19 +12,16 @@ from leakref._base import FloatArray
 from leakref.certify.checks import inputs
 from leakref.certify.checks.criteria import (
     FRACTION,
-    OTHERS,
     TOLERANCE,
     ask,
     blind_to_backward_waves,
     each_method,
-    exactly,
-    exactly_in_words,
     tapered,
     tolerance,
     unflagged,
-    untapered,
     verdict,
 )
+from leakref.certify.checks.exact import MORE, OTHERS, TAPERED, WITHIN_A_TENTH, judge_exactly
 from leakref.certify.checks.inputs import BRIEF, GRIDS
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.subject.frames import Subject
@@ -112,12 +109,7 @@ def check_backwards(subject: Subject, case: Case) -> Outcome:
 @check(
     "currents",
     "eq:normSp",
-    exactly_in_words(
-        "a tenth of the smaller of the two velocity resolutions (the length of the error): in so strong a current the "
-        "branches of G reach omega = 0 somewhere in the shell, and whether bins there count half, whole or not at all "
-        "(decision D5) moves the maximum by up to half of that"
-    )
-    + OTHERS,
+    WITHIN_A_TENTH + OTHERS + TAPERED + MORE,
     [
         Case("following", {"grid": "even", "near": (0.1, 0.55)}),
         Case("crossing", {"grid": "odd", "near": (0.4, -0.1)}),
@@ -128,13 +120,7 @@ def check_backwards(subject: Subject, case: Case) -> Outcome:
 def check_aligned(subject: Subject, case: Case) -> Outcome:
     """A strong current, known exactly by two waves on bins of an untapered cube, which do not leak: what is off here
     comes from the code alone."""
-    cube = inputs.pair(GRIDS[case.given["grid"]], (3, 5), (-4, 4), case.given["near"])
-    window = untapered(subject)
-
-    def judge(method: str) -> Outcome:
-        found, there = ask(subject, cube, window, method)
-        allowed = FRACTION * cube.resolutions[0]
-        over = np.where(there, exactly(subject, cube, window, method, found, cube.truth, allowed), np.nan)
-        return verdict(over, cube, found, cube.truth)
-
-    return each_method(subject, judge)
+    grid, near = GRIDS[case.given["grid"]], case.given["near"]
+    cube = inputs.pair(grid, (3, 5), (-4, 4), near)
+    more, allowed = inputs.four(grid, float(cube.wavenumbers[0]), near), FRACTION * cube.resolutions[0]
+    return each_method(subject, lambda method: judge_exactly(subject, cube, method, allowed, more=more))

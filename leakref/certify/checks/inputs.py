@@ -31,11 +31,15 @@ __all__ = [
     "PRIME",
     "SEA",
     "SHELLS",
+    "ByShell",
     "Cube",
     "asked",
     "drawn",
+    "four",
+    "on_bins",
     "pair",
     "polar",
+    "ring",
     "sampling",
     "sea",
     "together",
@@ -122,6 +126,18 @@ class Cube:
         )
 
 
+@dataclass(frozen=True, eq=False)
+class ByShell:
+    """Another current at each of some wavenumbers (n,): `velocities` (n, 2), as no profile over depth would have it."""
+
+    wavenumbers: FloatArray
+    velocities: FloatArray
+
+    def doppler_shift_velocity(self, wavenumber: FloatArray) -> FloatArray:
+        """(m, 2): the velocity of the nearest of the wavenumbers."""
+        return self.velocities[np.abs(np.asarray(wavenumber)[:, None] - self.wavenumbers).argmin(axis=1)]
+
+
 def polar(speed: float, direction: float) -> tuple[float, float]:
     """A velocity of that speed going to `direction` in degrees."""
     return float(speed * np.cos(np.radians(direction))), float(speed * np.sin(np.radians(direction)))
@@ -205,6 +221,51 @@ def waves(
     phase = draw.phases(2 * np.pi * (np.arange(kx.size) * np.sqrt(5.0) % 1))
     return Cube(
         Components(kx, ky, omega, np.broadcast_to(amplitude, kx.shape), phase), grid, np.array(wavenumbers), current
+    )
+
+
+def on_bins(
+    grid: Grid,
+    bins: FloatArray,
+    wavenumbers: FloatArray,
+    current: Current,
+    amplitude: FloatArray | float = 1.0,
+    velocities: FloatArray | None = None,
+) -> Cube:
+    """Waves at bins (i, j), (n, 2), each at the frequency bin nearest to where `velocities` (n, 2), or the current,
+    puts it. `bins` are turned already, as the seed has it.
+    """
+    kx, ky = np.asarray(bins, dtype=np.float64).T * np.array(grid.bin_widths[:2])[:, None]
+    size = np.hypot(kx, ky)
+    velocities = current.doppler_shift_velocity(size) if velocities is None else velocities
+    bin_ = np.rint((DEEP.frequency(size) + kx * velocities[:, 0] + ky * velocities[:, 1]) / grid.frequency_resolution)
+    phase = drawing().phases(2 * np.pi * (np.arange(kx.size) * np.sqrt(5.0) % 1))
+    waves_ = Components(kx, ky, bin_ * grid.frequency_resolution, np.broadcast_to(amplitude, kx.shape), phase)
+    return Cube(waves_, grid, wavenumbers, current)
+
+
+def four(grid: Grid, wavenumber: float, near: tuple[float, float]) -> Cube:
+    """Two waves each way along both axes, on bins next to a wavenumber, at the frequency bins that a current closest to
+    `near` puts them on: what the bins round off is the same for both ways, so that the current is exact.
+    """
+    draw, grid = drawing(), sampling(grid)
+    along = np.rint(wavenumber / np.array(grid.bin_widths[:2]))
+    k = along * grid.bin_widths[:2]
+    shift = np.rint(np.array(draw.near(near)) * k / grid.frequency_resolution) * grid.frequency_resolution / k
+    bins = np.array([(along[0], 0), (0, along[1]), (-along[0], 0), (0, -along[1])])
+    return on_bins(grid, bins, np.array([k.mean()]), UniformCurrent((float(shift[0]), float(shift[1]))))
+
+
+def ring(radius: int, wavenumber: float, periods: int, shape: tuple[int, int, int]) -> Grid:
+    """A grid of equal sides on which a `wavenumber` is a whole number of bins, `radius`, and its frequency in still
+    water a whole number of them too, `periods`.
+    """
+    side, duration = 2 * np.pi * radius / wavenumber, 2 * np.pi * periods / float(DEEP.frequency(wavenumber))
+    nx, ny, nt = shape
+    return (
+        Grid(shape, (side / nx, side / ny, duration / nt))
+        if not _SQUARE.get()
+        else Grid((nx, nx, nt), (side / nx, side / nx, duration / nt))
     )
 
 

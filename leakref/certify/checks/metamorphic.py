@@ -8,10 +8,20 @@ import numpy as np
 
 from leakref._base import FloatArray
 from leakref.certify.checks import inputs
-from leakref.certify.checks.criteria import FRACTION, as_array, each_method, tapered, unflagged, untapered, verdict
+from leakref.certify.checks.criteria import (
+    FRACTION,
+    NEVER,
+    as_array,
+    each_method,
+    tapered,
+    unflagged,
+    untapered,
+    verdict,
+)
 from leakref.certify.checks.inputs import Cube, polar
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.subject.frames import Subject
+from leakref.certify.verdict import Unanswered, Verdict
 from leakref.currents import UniformCurrent
 
 __all__ = ["check_amplitude", "check_constant", "check_reversal", "check_shift", "check_symmetry"]
@@ -22,8 +32,8 @@ EXCHANGE, LEFT = np.array([[0.0, 1.0], [1.0, 0.0]]), np.array([[0.0, -1.0], [1.0
 CLOSE = (
     "The code is asked twice, for the surface as it is and for the changed one. At each wavenumber at which the "
     "reference has nothing to note the second velocity may differ from the first, changed likewise, by a tenth of the "
-    "smaller of the two velocity resolutions. The relation is exact, but in a sea the maximum is flatter than for "
-    "waves on bins: the tenth is for optimisers that stop early there, and for single precision."
+    "smaller of the two velocity resolutions; no velocity at all is no answer. The relation is exact, but in a sea the "
+    "maximum is flatter than for waves on bins: the tenth is for optimisers that stop early there, and for single precision."
 )
 WINDOWS = (("tapered", True), ("untapered", False))
 
@@ -63,7 +73,14 @@ def _related(subject: Subject, case: Case, change: Change, matrix: FloatArray, e
         known = there & unflagged(cube, window, method)
         attempts = []
         for shift in (1, 0):  # a window sampled symmetrically is even under the plain flip
-            turned, answered = as_array(subject, change(cube.surface, shift), spacing, cube.wavenumbers, window, method)
+            try:
+                turned, answered = as_array(
+                    subject, change(cube.surface, shift), spacing, cube.wavenumbers, window, method
+                )
+            except Unanswered as nothing:
+                if nothing.verdict is not Verdict.MISSING:
+                    raise
+                return Outcome(NEVER, "answers the surface as it is, and gives no velocity for the changed one")
             over = np.hypot(*(turned - should).T) / (FRACTION * cube.resolutions[0])
             attempts.append(verdict(np.where(known & answered, over, np.nan), cube, turned, should))
             if attempts[-1].over <= 1:

@@ -1,6 +1,8 @@
-"""Scale invariance: the same dimensionless sea at two peak wavenumbers, and over another duration."""
+"""Scale invariance: the same dimensionless sea at two peak wavenumbers, under two gravities, over two durations."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 
@@ -20,10 +22,11 @@ from leakref.certify.checks.criteria import (
 from leakref.certify.checks.inputs import BRIEF, SEA, polar
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.subject.frames import Subject
+from leakref.certify.verdict import Unanswered, Verdict
 from leakref.currents import UniformCurrent
 from leakref.grid import Grid
 
-__all__ = ["check_duration", "check_peak"]
+__all__ = ["check_duration", "check_gravity", "check_peak"]
 
 LONG = Grid((40, 42, 144), (0.72, 0.7, 0.8))
 
@@ -40,7 +43,7 @@ LONG = Grid((40, 42, 144), (0.72, 0.7, 0.8))
             ("4", 4.0, True),
             ("sixteenth", 1 / 16, True),
             ("quarter", 0.25, False),
-            ("16", 16.0, False),
+            ("16", 16.0, True),
         )
         for tapered in (True, False)
     ],
@@ -60,6 +63,36 @@ def check_peak(subject: Subject, case: Case) -> Outcome:
         over = np.hypot(*(other.values - found).T) / (FRACTION * cube.resolutions[0])
         known = there & unflagged(cube, window, method)
         return verdict(np.where(known, over, np.nan), cube, other.values, found)
+
+    return each_method(subject, judge)
+
+
+@check(
+    "scale",
+    "eq:g",
+    "A velocity in units of c0 may differ by a tenth of the smaller of the two velocity resolutions, at wavenumbers at "
+    "which the reference has nothing to note. In scaled units the two seas are one computation.",
+    [Case("moon", {"gravity": 0.165}), Case("jupiter", {"gravity": 2.53}, quick=False)],
+)
+def check_gravity(subject: Subject, case: Case) -> Outcome:
+    """The same sea under another gravity, which is handed over with it: a gravity that stands in the code, in metres
+    and seconds or as 1 or 10, is the wrong one by a factor that nobody overlooks."""
+    if any(name.split()[0] == "gravity" for name in subject.declaration.fixed):  # "gravity (9.81)"
+        raise Unanswered(Verdict.UNSUPPORTED, "cannot be told the gravity")
+    window = tapered(subject)
+    cube = inputs.sea(70.0, 100.0, UniformCurrent(polar(0.2, -30.0)), realization=11, wavenumbers=(1.3, 1.6, 2.0))
+
+    def judge(method: str) -> Outcome:
+        found, there = ask(subject, cube, window, method)
+        other = subject.extract(
+            cube.surface, cube.spacing, cube.wavenumbers, window=window, method=method, gravity=case.given["gravity"]
+        )
+        there &= answered(subject, other)
+        over = np.hypot(*(other.values - found).T) / (FRACTION * cube.resolutions[0])
+        known = there & unflagged(cube, window, method)
+        outcome = verdict(np.where(known, over, np.nan), cube, other.values, found)
+        hint = "; what cannot be told the gravity declares it as fixed" if outcome.over > 1 else ""
+        return replace(outcome, message=f"under {case.given['gravity']:g} of the usual gravity {outcome.message}{hint}")
 
     return each_method(subject, judge)
 

@@ -6,7 +6,8 @@ import numpy as np
 
 from leakref._base import FloatArray
 from leakref.certify.checks import inputs
-from leakref.certify.checks.criteria import ask, each_method, like, tapered, untapered, vector
+from leakref.certify.checks.criteria import ask, each_method, like, tapered, vector
+from leakref.certify.checks.exact import aligned_window
 from leakref.certify.checks.inputs import polar
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.subject.frames import Subject
@@ -102,10 +103,11 @@ def check_sea(subject: Subject, case: Case) -> Outcome:
     CASES,
 )
 def check_aligned(subject: Subject, case: Case) -> Outcome:
-    """Two waves with whole numbers of wavelengths and periods in the cube, on a current towards `direction`, in degrees
-    anticlockwise from x: a slip of sign in one component, which a sea may hide, shows here whatever the window does."""
-    cube = inputs.pair(inputs.EVEN, (5, 3), (-2, 5), polar(SPEED, case.given["direction"]))
-    window = untapered(subject)
+    """Four waves with whole numbers of wavelengths and periods in the cube, on a current towards `direction`, in
+    degrees anticlockwise from x: a slip of sign in one component, which a sea may hide, shows here whatever the window
+    does."""
+    cube = inputs.four(inputs.EVEN, 1.4, polar(SPEED, case.given["direction"]))
+    window = aligned_window(subject)
 
     def judge(method: str) -> Outcome:
         found, there = ask(subject, cube, window, method)

@@ -14,14 +14,20 @@ from leakref.chain import Reference
 __all__ = [
     "CALL",
     "CENTRES",
+    "DEEP_ROOT",
     "FOURIER",
+    "HALF",
     "INTRINSIC",
+    "KX",
+    "LENGTHS",
     "POLISH",
+    "SHIFTED",
     "SI",
     "STAGES",
     "TAPER_SPACE",
     "UNPOLISHED",
     "WAVES",
+    "WIDE",
     "Drifting",
     "Fault",
     "Remembering",
@@ -91,6 +97,12 @@ INTRINSIC = "water.frequency(k[a, b])"
 CENTRES = "return shell.intrinsic + shift, -shell.intrinsic + shift"
 POLISH = "velocity, steps, arrived = _ascend(shell, fit.x * unit, width, unit)"
 UNPOLISHED = Change("nsp", POLISH, "velocity, steps, arrived = fit.x * unit, 0, True")
+LENGTHS = "return nx * dx, ny * dy, nt * dt"
+DEEP_ROOT = "return np.sqrt(self.gravity * np.asarray(wavenumber, dtype=np.float64))"
+SHIFTED = "(np.arange(n) + n // 2) % n - n // 2"
+WIDE = "self.grid.bin_widths[0]"
+KX = f"self.i * {WIDE}"
+HALF = "(self.grid.shape[0] / 2)"
 SI = Change("chain", '"units": "scaled"', '"units": "si"')
 WAVES = "waves = components.amplitude * np.exp(1j * components.phase)"
 _REFUSAL = 'eta = finite("{}", "surface", surface, 3)'

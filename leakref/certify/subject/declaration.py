@@ -25,7 +25,8 @@ _DEFAULT = {"name": "unnamed", "version": "", "units": "scaled", "axes": "xyt", 
 class Declaration:
     """The declaration of guide protocol, section 3, checked and completed.
 
-    `fixed` are parameters that it cannot be told: `wavenumbers` if it has its own, `dy` if it knows square pixels only.
+    `fixed` are parameters that it cannot be told: `wavenumbers` if it has its own, `dy` if it knows square pixels only,
+    `gravity` if it has one. `smallest` are the samples along x, y and t below which it takes no cube.
 
     - `name`, `version`: words for the certificate, at most 120 characters each.
     - `units`: `si` (m, s) or `scaled` (lengths in `1 / k0`, times in `1 / omega0`, gravity 1).
@@ -44,6 +45,7 @@ class Declaration:
     direction: str = "to"
     format: str = "npz"
     fixed: tuple[str, ...] = ()
+    smallest: tuple[int, int, int] = (1, 1, 1)
     can: Mapping[str, Mapping[str, Any]] = field(default_factory=lambda: {"extract": {}})
 
     @classmethod
@@ -89,7 +91,8 @@ class Declaration:
             raise Unanswered(
                 Verdict.ERROR, f"declares fixed = {fixed!r}, should be a list of parameter names, each once"
             )
-        return cls(**{name: str(known[name]) for name in (*_DEFAULT, "format")}, fixed=tuple(fixed), can=dict(can))
+        words = {name: str(known[name]) for name in (*_DEFAULT, "format")}
+        return cls(**words, fixed=tuple(fixed), smallest=_smallest(known.get("cube", {})), can=dict(can))
 
     @property
     def methods(self) -> tuple[str, ...]:
@@ -134,6 +137,7 @@ class Declaration:
             "y": self.y,
             "direction": self.direction,
             "fixed": list(self.fixed),
+            **({"cube": {"smallest": list(self.smallest)}} if self.smallest != (1, 1, 1) else {}),
             "can": {stage: dict(what) for stage, what in self.can.items()},
         }
 
@@ -145,6 +149,19 @@ def _names(given: Any) -> bool:
         and all(isinstance(name, str) and name for name in given)
         and len(set(given)) == len(given)
     )
+
+
+def _smallest(cube: Any) -> tuple[int, int, int]:
+    """The samples along x, y and t of the smallest cube that it takes. Raises Unanswered (error)."""
+    given = cube.get("smallest", (1, 1, 1)) if isinstance(cube, Mapping) else cube
+    good = isinstance(given, list | tuple) and len(given) == 3
+    if not good or any(isinstance(n, bool) or not isinstance(n, int) or n < 1 for n in given):
+        raise Unanswered(
+            Verdict.ERROR,
+            f"declares cube = {cube!r}, should be an object with smallest = [nx, ny, nt], three whole numbers above 0",
+        )
+    nx, ny, nt = given
+    return nx, ny, nt
 
 
 def _clean(value: Any) -> Any:

@@ -17,7 +17,7 @@ import numpy.typing as npt
 from leakref._base import FloatArray
 from leakref.certify.subject.declaration import Declaration
 from leakref.certify.verdict import Unanswered, Verdict
-from leakref.dispersion import DEEP, Water
+from leakref.dispersion import Water
 from leakref.sea import Components
 from leakref.window import WINDOWS
 from leakref.window import window as named_window
@@ -80,6 +80,8 @@ class Subject:
         """Where the running check was given null too often, in words (`criteria.answered`)."""
         self.reproduces = ""
         """Of a code that names no method: which of the reference's it turned out to be, or `OWN` (see `identity`)."""
+        self.alike: frozenset[str] | None = None
+        """The reference's methods as which it answers a broad sea; None until that was asked (see `identity`)."""
         self.scales: set[float] = set()
         """Those at which it has answered, and `fastest`, in c0, what it was asked for: the scope of the certificate."""
         self.fastest = 0.0
@@ -117,17 +119,18 @@ class Subject:
 
     # ------------------------------------------------------------ frames and units
 
-    def units(self, scale: float) -> tuple[float, float, float]:
-        """Unit of length, of time, and gravity, of a scaled sea whose peak is shown at `scale` times the usual one.
+    def units(self, scale: float, gravity: float = 1.0) -> tuple[float, float, float]:
+        """Unit of length, of time, and gravity, of a scaled sea whose peak is shown at `scale` times the usual one,
+        under `gravity` times the usual one.
 
         A code in SI is shown the sea with gravity 9.81 m/s2 and its peak at `PEAK` times `scale`, in rad/m; one in
         scaled units with gravity 1 and its peak at `scale`. Scaled lengths and times are multiplied by these units,
         wavenumbers divided by that of length.
         """
         if self.declaration.units == "si":
-            k0 = PEAK * scale
-            return 1 / k0, 1 / float(Water(GRAVITY).frequency(k0)), GRAVITY
-        return 1 / scale, 1 / float(DEEP.frequency(scale)), 1.0
+            k0, g = PEAK * scale, GRAVITY * gravity
+            return 1 / k0, 1 / float(Water(g).frequency(k0)), g
+        return 1 / scale, 1 / float(Water(gravity).frequency(scale)), gravity
 
     def framed(self, cube: FloatArray) -> FloatArray:
         """A cube [x, y, t] with y upwards, as the implementation wants it. A new array, float64 and contiguous."""
@@ -140,14 +143,19 @@ class Subject:
         return np.transpose(np.asarray(cube), [self.declaration.axes.index(axis) for axis in "xyt"])
 
     def _surface(
-        self, surface: FloatArray, spacing: Sequence[float], scale: float
+        self, surface: FloatArray, spacing: Sequence[float], scale: float, gravity: float = 1.0
     ) -> tuple[dict[str, Any], list[float], float]:
         """The arrays eta, x, y, t in its units and frame, the steps dx, dy, dt, and gravity. Raises Unanswered for a
         cube whose pixels are not square where it cannot be told so.
         """
+        if any(n < least for n, least in zip(surface.shape, self.declaration.smallest, strict=True)):
+            raise Unanswered(
+                Verdict.UNSUPPORTED,
+                f"takes no cube below {self.declaration.smallest} samples along x, y, t; this has {surface.shape}",
+            )
         if "dy" in self.declaration.fixed and abs(spacing[1] - spacing[0]) > 1e-9 * spacing[0]:
             raise Unanswered(Verdict.UNSUPPORTED, "knows square pixels only, and dy is not dx here")
-        length, time, gravity = self.units(scale)
+        length, time, gravity = self.units(scale, gravity)
         steps = [spacing[0] * length, spacing[1] * length, spacing[2] * time]
         axes = {name: np.arange(n) * step for name, n, step in zip("xyt", surface.shape, steps, strict=True)}
         return {"eta": self.framed(surface * length), **axes}, steps, gravity
@@ -163,6 +171,7 @@ class Subject:
         window: str = "hann",
         method: str | None = None,
         scale: float = 1.0,
+        gravity: float = 1.0,
         raw: bool = False,
     ) -> Velocities:
         """Velocities (n, 2) at `wavenumbers` (n,), all in scaled units. Raises Unanswered.
@@ -172,7 +181,8 @@ class Subject:
         converted.
 
         `surface` is (nx, ny, nt) in units of `1 / k0`, `spacing` (dx, dy, dt) in `1 / k0` and `1 / omega0`. `method` is
-        its main one unless given. `scale` shows the same sea with its peak elsewhere (`units`). A code that tapers
+        its main one unless given. `scale` shows the same sea with its peak elsewhere, `gravity` under another gravity
+        (`units`). A code that tapers
         nothing is handed a cube that is tapered already, and told `box`.
 
         Answers are matched to the wavenumbers asked for, to within half a bin; for one that has none that near it
@@ -184,8 +194,8 @@ class Subject:
         asked = np.atleast_1d(np.asarray(wavenumbers, dtype=np.float64))
         if not d.tapers and window != "box":
             surface = _tapered(surface, window)
-        arrays, steps, gravity = self._surface(surface, spacing, scale)
-        length, time, _ = self.units(scale)
+        length, time, _ = self.units(scale, gravity)
+        arrays, steps, gravity = self._surface(surface, spacing, scale, gravity)
         parameters = {
             "dx": steps[0],
             "dy": steps[1],

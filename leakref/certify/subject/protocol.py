@@ -217,10 +217,12 @@ class ProcessSubject(Subject):
         return self._child
 
     def _try_out(self) -> None:
-        """Ask one small question, of a 16 x 12 x 10 cube. Raises Unanswered only where there is no proper answer. So
-        that a program that cannot answer at all is told apart from one that answers wrongly: the first is not judged.
+        """Ask one small question, of a 16 x 12 x 10 cube, or of the smallest that it takes. Raises Unanswered only
+        where there is no proper answer: so that a program that cannot answer at all is told apart from one that answers
+        wrongly. The first is not judged.
         """
-        grid = Grid((16, 12, 10), (0.9, 0.9 if "dy" in self.declaration.fixed else 1.1, 0.8))
+        nx, ny, nt = (max(pair) for pair in zip((16, 12, 10), self.declaration.smallest, strict=True))
+        grid = Grid((nx, ny, nt), (0.9, 0.9 if "dy" in self.declaration.fixed else 1.1, 0.8))
         waves, _ = aligned_waves(grid, [(3, 1, 2), (1, 2, 2)])
         axes = [grid.samples(axis) for axis in range(3)]
         declared = self.declaration

@@ -1,0 +1,225 @@
+"""What is known exactly: under which window it is asked, what the answer is, and how near is near enough.
+
+Waves on bins of an untapered cube do not leak, and the answer is their current. Tapered, each becomes the lobe of the
+window, over which the dispersion relation bends: then the closed form of the leakage tells what the reference's methods
+find, to all digits. Digits are asked of codes that work as the reference does, of others the resolution.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from leakref._base import FloatArray
+from leakref.certify.checks.criteria import ask, expected, score, spectrum_of, tapered, verdict
+from leakref.certify.checks.identity import identify
+from leakref.certify.checks.inputs import Cube
+from leakref.certify.checks.registry import Outcome
+from leakref.certify.subject.frames import Subject
+from leakref.certify.verdict import Unanswered, Verdict
+from leakref.grid import Grid
+from leakref.methods import METHODS
+from leakref.nsp import WIDTH, score_range
+from leakref.shell import shell_at
+from leakref.window import WINDOWS
+
+__all__ = [
+    "EXACT",
+    "EXACTLY",
+    "EXACT_OR_SCORE",
+    "FINE",
+    "FLATTER",
+    "MORE",
+    "OTHERS",
+    "TAPERED",
+    "WITHIN_A_TENTH",
+    "aligned_window",
+    "answers",
+    "as_good",
+    "exactly",
+    "exactly_in_words",
+    "held_to_digits",
+    "judge_exactly",
+    "others_in_words",
+    "right",
+]
+
+EXACT = 2e-4
+"""In c0: three times by how much optimisers at default tolerances were seen to miss what is exact."""
+FLATTER = 1e-6
+"""Relative: a velocity whose score is this near the best one is as good as it; 1.4e-3 c0 at unit curvature."""
+FINE = 0.1
+"""Of the smaller resolution: what other algorithms may be off by where nothing about the question favours one."""
+
+
+def exactly_in_words(allowed: str) -> str:
+    """`exactly` in words: how much is `allowed`, and why, and what passes beyond it."""
+    return (
+        f"Each velocity may be off by {allowed}. An NSP velocity that is further off passes all the same if the "
+        "reference gives it a score within a relative 1e-6 of that of the exact velocity: the maximum is then so flat "
+        "that no optimiser tells the two apart. An answer to the cube without its last or first sample along axes of "
+        "an odd number of them passes as well."
+    )
+
+
+EXACT_OR_SCORE = exactly_in_words(
+    "2e-4 c0 (the length of the error), three times what optimisers with default tolerances were seen to miss by"
+)
+
+
+WITHIN_A_TENTH = exactly_in_words(
+    "a tenth of the smaller of the two velocity resolutions (the length of the error): in a strong current the "
+    "branches of G reach omega = 0 somewhere in the shell, and whether bins there count half, whole or not at all "
+    "(decision D5) moves the maximum by up to half of that"
+)
+
+
+def others_in_words(part: str) -> str:
+    """What is allowed to those who are not held to digits: a `part` of the smaller resolution."""
+    return (
+        " A method that the reference does not have, an NSP whose velocities of a broad sea are not those of the "
+        "reference's, such as one on the interpolated cylinder of eq:maskedSpec, or one velocity for the whole band, "
+        f"may be off by {part}the smaller of the two velocity resolutions."
+    )
+
+
+OTHERS = others_in_words("")
+TAPERED = (
+    " A code that always tapers is asked under its window; the answer is then what the reference finds in the closed "
+    "form of the leakage."
+)
+MORE = " A code that gives no velocity where two waves are all there is, is shown four."
+EXACTLY = EXACT_OR_SCORE + OTHERS + TAPERED
+"""`exactly` in words."""
+
+
+def aligned_window(subject: Subject) -> str:
+    """The window under which waves on bins are asked for: the box, or for what always tapers its taper."""
+    return "box" if "box" in subject.declaration.windows else tapered(subject)
+
+
+def answers(cube: Cube, window: str, method: str) -> list[FloatArray]:
+    """What is right, (n, 2) each: untapered the current, tapered what the methods of the reference find. Of a method
+    that it does not have either will do.
+    """
+    if window == "box" or window not in WINDOWS:
+        return [cube.truth]
+    found = [expected(cube, window, name).velocities for name in ([method] if method in METHODS else METHODS)]
+    return found if method in METHODS else [cube.truth, *found]
+
+
+def held_to_digits(subject: Subject, window: str, method: str) -> bool:
+    """Whether a code is to find what the reference finds: one whose answers in a broad sea are the reference's, or by
+    a method for which waves on bins give the current whatever the make.
+    """
+    if method not in METHODS or subject.declaration.band or (window != "box" and window not in WINDOWS):
+        return False
+    return (window == "box" and METHODS[method].exact_on_bins) or method in identify(subject)
+
+
+def exactly(
+    subject: Subject,
+    cube: Cube,
+    window: str,
+    method: str,
+    found: FloatArray,
+    should: FloatArray,
+    allowed: FloatArray | float = EXACT,
+    others: float = 1.0,
+) -> FloatArray:
+    """Error over tolerance at each wavenumber, (n,), of velocities (n, 2) that are known exactly.
+
+    `allowed` in c0, or for the NSP a score within `FLATTER` of that of the exact velocity, whichever is kinder. Who is
+    not held to digits may be off by `others` times the smaller resolution.
+    """
+    error = np.hypot(*(found - should).T)
+    if not held_to_digits(subject, window, method):
+        return error / (others * cube.resolutions[0])
+    return as_good(error / allowed, cube, window, method, found, should)
+
+
+def as_good(
+    over: FloatArray, cube: Cube, window: str, method: str, found: FloatArray, should: FloatArray
+) -> FloatArray:
+    """Error over tolerance (n,) by the score, where that is kinder: of methods that maximise one.
+
+    No answer passes by its score that lies beyond the range in which a score means anything (`nsp.score_range`).
+    """
+    if method in METHODS and METHODS[method].score:
+        a = WIDTH * cube.grid.frequency_resolution
+        for n in np.flatnonzero(over > 1):
+            shell = shell_at(spectrum_of(cube, window), float(cube.wavenumbers[n]))
+            if not np.hypot(*found[n]) <= score_range(shell, a, 1.0):
+                continue
+            best, own = (score(cube, window, float(cube.wavenumbers[n]), c[n], method) for c in (should, found))
+            over[n] = min(over[n], max((1 - own / best) / FLATTER, 0.0))
+    return over
+
+
+def judge_exactly(
+    subject: Subject,
+    cube: Cube,
+    method: str,
+    allowed: FloatArray | float = EXACT,
+    others: float = 1.0,
+    more: Cube | None = None,
+) -> Outcome:
+    """The outcome of asking for waves on bins: the worst of the wavenumbers, of the kindest of what is right.
+
+    `more` is a cube of more waves, for a code to which those of `cube` are too few.
+    """
+    try:
+        return _judged(subject, cube, method, allowed, others)
+    except Unanswered as nothing:
+        if more is None or nothing.verdict is not Verdict.MISSING:
+            raise
+    subject.gaps = ""
+    return _judged(subject, more, method, allowed, others)
+
+
+def _judged(subject: Subject, cube: Cube, method: str, allowed: FloatArray | float, others: float) -> Outcome:
+    window = aligned_window(subject)
+    if window != "box":
+        others = 1.0  # what a lobe does to an algorithm is its own affair, up to the resolution
+    found, there = ask(subject, cube, window, method)
+    best: Outcome | None = None
+    for should in right(cube, window, method):
+        over = exactly(subject, cube, window, method, found, should, allowed, others)
+        outcome = verdict(np.where(there, over, np.nan), cube, found, should)
+        if best is None or outcome.over < best.over:
+            best = outcome
+        if best.over <= 1:
+            break
+    assert best is not None
+    off = np.hypot(*(found - answers(cube, window, method)[0]).T) / cube.resolutions[0]
+    if best.over > 1 and held_to_digits(subject, window, method) and off[there].max() <= 1:
+        return replace(
+            best,
+            message=f"{best.message}; that is within the resolution: if this is not the {METHODS[method].words} of "
+            "guide protocol, section 3, declare a method of another name, which is not held to digits",
+        )
+    return best
+
+
+def right(cube: Cube, window: str, method: str) -> Iterator[FloatArray]:
+    """What is right, and then what is right of a cube that somebody has made even."""
+    yield from answers(cube, window, method)
+    if method in METHODS and any(n % 2 for n in cube.grid.shape):
+        for part in _made_even(cube):
+            yield expected(part, window, method).velocities
+
+
+def _made_even(cube: Cube) -> Iterator[Cube]:
+    """The cube without its last or its first samples along time, or all axes, that have an odd number of them."""
+    waves, (nx, ny, nt), spacing = cube.components, cube.grid.shape, cube.spacing
+    for odd in {(0, 0, nt % 2), (nx % 2, ny % 2, nt % 2)} - {(0, 0, 0)}:
+        grid = Grid((nx - odd[0], ny - odd[1], nt - odd[2]), spacing)
+        yield replace(cube, grid=grid)
+        dx, dy, dt = (n * d for n, d in zip(odd, spacing, strict=True))
+        yield replace(
+            cube,
+            grid=grid,
+            components=replace(waves, phase=waves.phase + waves.kx * dx + waves.ky * dy - waves.omega * dt),
+        )
