@@ -122,5 +122,5 @@ def check_aligned(subject: Subject, case: Case) -> Outcome:
     comes from the code alone."""
     grid, near = GRIDS[case.given["grid"]], case.given["near"]
     cube = inputs.pair(grid, (3, 5), (-4, 4), near)
-    more, allowed = inputs.four(grid, float(cube.wavenumbers[0]), near), FRACTION * cube.resolutions[0]
+    more, allowed = inputs.many(grid.shape, near), FRACTION * cube.resolutions[0]
     return each_method(subject, lambda method: judge_exactly(subject, cube, method, allowed, more=more))

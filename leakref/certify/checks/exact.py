@@ -90,7 +90,7 @@ TAPERED = (
     " A code that always tapers is asked under its window; the answer is then what the reference finds in the closed "
     "form of the leakage."
 )
-MORE = " A code that gives no velocity where two waves are all there is, is shown four."
+MORE = " A code that gives no velocity where two waves are all there is, is shown twelve."
 EXACTLY = EXACT_OR_SCORE + OTHERS + TAPERED
 """`exactly` in words."""
 
@@ -182,7 +182,7 @@ def judge_exactly(
 def _judged(subject: Subject, cube: Cube, method: str, allowed: FloatArray | float, others: float) -> Outcome:
     window = aligned_window(subject)
     if window != "box":
-        others = 1.0  # what a lobe does to an algorithm is its own affair, up to the resolution
+        others = max(1.0, others)  # what a lobe does to an algorithm is its own affair, up to the resolution
     found, there = ask(subject, cube, window, method)
     best: Outcome | None = None
     for should in right(cube, window, method):

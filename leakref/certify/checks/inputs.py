@@ -31,11 +31,12 @@ __all__ = [
     "PRIME",
     "SEA",
     "SHELLS",
+    "TWELVE",
     "ByShell",
     "Cube",
     "asked",
     "drawn",
-    "four",
+    "many",
     "on_bins",
     "pair",
     "polar",
@@ -244,18 +245,6 @@ def on_bins(
     return Cube(waves_, grid, wavenumbers, current)
 
 
-def four(grid: Grid, wavenumber: float, near: tuple[float, float]) -> Cube:
-    """Two waves each way along both axes, on bins next to a wavenumber, at the frequency bins that a current closest to
-    `near` puts them on: what the bins round off is the same for both ways, so that the current is exact.
-    """
-    draw, grid = drawing(), sampling(grid)
-    along = np.rint(wavenumber / np.array(grid.bin_widths[:2]))
-    k = along * grid.bin_widths[:2]
-    shift = np.rint(np.array(draw.near(near)) * k / grid.frequency_resolution) * grid.frequency_resolution / k
-    bins = np.array([(along[0], 0), (0, along[1]), (-along[0], 0), (0, -along[1])])
-    return on_bins(grid, bins, np.array([k.mean()]), UniformCurrent((float(shift[0]), float(shift[1]))))
-
-
 def ring(radius: int, wavenumber: float, periods: int, shape: tuple[int, int, int]) -> Grid:
     """A grid of equal sides on which a `wavenumber` is a whole number of bins, `radius`, and its frequency in still
     water a whole number of them too, `periods`.
@@ -267,6 +256,26 @@ def ring(radius: int, wavenumber: float, periods: int, shape: tuple[int, int, in
         if not _SQUARE.get()
         else Grid((nx, nx, nt), (side / nx, side / nx, duration / nt))
     )
+
+
+TWELVE = np.array(
+    [(5, 0), (4, 3), (3, 4), (0, 5), (-3, 4), (-4, 3), (-5, 0), (-4, -3), (-3, -4), (0, -5), (3, -4), (4, -3)]
+)
+
+
+def many(shape: tuple[int, int, int], *nears: tuple[float, float]) -> Cube:
+    """Twelve waves all round on bins, and as many half as long for a second current if there are two of them.
+
+    Their currents are those closest to `nears` that put each wave on a bin. What omega0 is off a bin is the same for
+    all of a length, so that the current is exact.
+    """
+    draw, grid = drawing(), ring(5, 1.4, 24 if len(nears) < 2 else 18, shape)
+    step = grid.frequency_resolution / grid.wavenumber_resolution
+    wavenumbers = 1.4 * 2.0 ** np.arange(len(nears))
+    velocities = np.array([step * np.rint(np.array(draw.near(near)) / step) for near in nears])
+    bins = np.concatenate([TWELVE * 2**n for n in range(len(nears))])
+    each = np.repeat(velocities, 12, axis=0)
+    return on_bins(grid, bins, wavenumbers, ByShell(wavenumbers, velocities), velocities=each)
 
 
 def together(*seas: Components) -> Components:

@@ -33,7 +33,8 @@ CLOSE = (
     "The code is asked twice, for the surface as it is and for the changed one. At each wavenumber at which the "
     "reference has nothing to note the second velocity may differ from the first, changed likewise, by a tenth of the "
     "smaller of the two velocity resolutions; no velocity at all is no answer. The relation is exact, but in a sea the "
-    "maximum is flatter than for waves on bins: the tenth is for optimisers that stop early there, and for single precision."
+    "maximum is flatter than for waves on bins: the tenth is for optimisers that stop early there, and for single "
+    "precision."
 )
 WINDOWS = (("tapered", True), ("untapered", False))
 

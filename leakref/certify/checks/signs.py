@@ -16,6 +16,8 @@ from leakref.currents import UniformCurrent
 __all__ = ["check_aligned", "check_sea", "image"]
 
 SPEED = 0.3
+ON_BINS = 0.39
+"""In c0: (2, 1) steps of what puts the waves on bins, or turned and mirrored so."""
 IMAGES = {
     "negated": ((-1, 0), (0, -1)),
     "with x flipped": ((-1, 0), (0, 1)),
@@ -103,10 +105,10 @@ def check_sea(subject: Subject, case: Case) -> Outcome:
     CASES,
 )
 def check_aligned(subject: Subject, case: Case) -> Outcome:
-    """Four waves with whole numbers of wavelengths and periods in the cube, on a current towards `direction`, in
+    """Twelve waves with whole numbers of wavelengths and periods in the cube, on a current towards `direction`, in
     degrees anticlockwise from x: a slip of sign in one component, which a sea may hide, shows here whatever the window
     does."""
-    cube = inputs.four(inputs.EVEN, 1.4, polar(SPEED, case.given["direction"]))
+    cube = inputs.many(inputs.EVEN.shape, polar(ON_BINS, case.given["direction"]))
     window = aligned_window(subject)
 
     def judge(method: str) -> Outcome:
