@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from leakref import Components, Grid, LeakrefError
-from leakref.altered import altered
+from leakref.altered import Change, altered
 from leakref.certify.checks import criteria, exact, inputs, registry
 from leakref.certify.checks.criteria import expected, score, unflagged
 from leakref.certify.checks.inputs import SEA, SHELLS, pair, sea
@@ -205,6 +205,10 @@ MISTAKES = {
     "one for all": (Planted(after=uniform), ["shear.profile", "shear.slope", "behaviour.order"]),
     "upside down": (Planted(after=upside_down), ["shear.slope", "behaviour.order", "recovery.two-shells"]),
     "units": (Planted(after=unscaled), ["scale.peak"]),
+    "narrow shells": (
+        altered((Change("shell", "HALF_WIDTH = 2.0", "HALF_WIDTH = 0.32"),)).chain.reference,
+        ["recovery.half-width"],
+    ),
     "power": (altered(FAULTS["power-for-magnitude"].changes).chain.reference, ["recovery.weights"]),
     "whole bins": (Floored(), ["behaviour.asked"]),
     "gravity": (Planted(gravity=1.0), ["scale.gravity"]),
@@ -351,6 +355,7 @@ def test_one_velocity_for_the_band_is_judged_on_what_it_claims():
                 "recovery.single",
                 "recovery.shells",
                 "recovery.weights",
+                "recovery.half-width",
             )
         )
     }

@@ -96,7 +96,7 @@ def _declared(said: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     for name in ("units", "axes", "y", "direction"):
         yield name, str(said[name])
     yield "fixed", ", ".join(said["fixed"]) or "nothing"
-    if "cube" in said:
+    if said.get("cube"):
         yield "smallest cube", " x ".join(map(str, said["cube"]["smallest"])) + " samples along x, y, t"
     for stage, what in said["can"].items():
         told = "; ".join(

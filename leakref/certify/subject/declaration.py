@@ -26,7 +26,7 @@ class Declaration:
     """The declaration of guide protocol, section 3, checked and completed.
 
     `fixed` are parameters that it cannot be told: `wavenumbers` if it has its own, `dy` if it knows square pixels only,
-    `gravity` if it has one. `smallest` are the samples along x, y and t below which it takes no cube.
+    `gravity` if it has one. `cube` may hold `smallest`, the samples along x, y and t below which it takes none.
 
     - `name`, `version`: words for the certificate, at most 120 characters each.
     - `units`: `si` (m, s) or `scaled` (lengths in `1 / k0`, times in `1 / omega0`, gravity 1).
@@ -45,7 +45,7 @@ class Declaration:
     direction: str = "to"
     format: str = "npz"
     fixed: tuple[str, ...] = ()
-    smallest: tuple[int, int, int] = (1, 1, 1)
+    cube: Mapping[str, Any] = field(default_factory=dict)
     can: Mapping[str, Mapping[str, Any]] = field(default_factory=lambda: {"extract": {}})
 
     @classmethod
@@ -92,7 +92,7 @@ class Declaration:
                 Verdict.ERROR, f"declares fixed = {fixed!r}, should be a list of parameter names, each once"
             )
         words = {name: str(known[name]) for name in (*_DEFAULT, "format")}
-        return cls(**words, fixed=tuple(fixed), smallest=_smallest(known.get("cube", {})), can=dict(can))
+        return cls(**words, fixed=tuple(fixed), cube=_cube(known.get("cube", {})), can=dict(can))
 
     @property
     def methods(self) -> tuple[str, ...]:
@@ -124,6 +124,12 @@ class Declaration:
         """
         return bool(self.can.get("extract", {}).get("resolves", "wavenumber") == "band")
 
+    @property
+    def smallest(self) -> tuple[int, int, int]:
+        """Samples along x, y and t of the smallest cube that it takes."""
+        nx, ny, nt = self.cube.get("smallest", (1, 1, 1))
+        return nx, ny, nt
+
     def record(self) -> dict[str, Any]:
         """For the certificate.
 
@@ -137,7 +143,7 @@ class Declaration:
             "y": self.y,
             "direction": self.direction,
             "fixed": list(self.fixed),
-            **({"cube": {"smallest": list(self.smallest)}} if self.smallest != (1, 1, 1) else {}),
+            "cube": {name: list(value) for name, value in self.cube.items()},
             "can": {stage: dict(what) for stage, what in self.can.items()},
         }
 
@@ -151,17 +157,18 @@ def _names(given: Any) -> bool:
     )
 
 
-def _smallest(cube: Any) -> tuple[int, int, int]:
-    """The samples along x, y and t of the smallest cube that it takes. Raises Unanswered (error)."""
-    given = cube.get("smallest", (1, 1, 1)) if isinstance(cube, Mapping) else cube
+def _cube(cube: Any) -> dict[str, tuple[int, int, int]]:
+    """What it says of the cubes that it takes. Raises Unanswered (error)."""
+    if isinstance(cube, Mapping) and "smallest" not in cube:
+        return {}
+    given: Any = cube["smallest"] if isinstance(cube, Mapping) else None
     good = isinstance(given, list | tuple) and len(given) == 3
     if not good or any(isinstance(n, bool) or not isinstance(n, int) or n < 1 for n in given):
         raise Unanswered(
             Verdict.ERROR,
             f"declares cube = {cube!r}, should be an object with smallest = [nx, ny, nt], three whole numbers above 0",
         )
-    nx, ny, nt = given
-    return nx, ny, nt
+    return {"smallest": tuple(given)}
 
 
 def _clean(value: Any) -> Any:
