@@ -14,11 +14,20 @@ from pathlib import Path
 from types import ModuleType
 
 HERE = Path(__file__).parent
-NEGATED = "negated-current negated reversed-time time-reversed time-transform-reversed current-sign-in-branch " \
-          "x-reversed+y-reversed"  # fmt: skip
+NEGATED = (
+    "negated-current negated reversed-time time-reversed time-transform-reversed current-sign-in-branch "
+    "x-reversed+y-reversed"
+)
 FLIPPED_X = "flipped-x x-reversed x-transform-reversed"
 FLIPPED_Y = "flipped-y y-reversed rows-downwards"
 EXCHANGED = "exchanged-axes exchanged nautical"
+REPAIRS = """
+    x-reversed y-reversed time-reversed cube-exchanged dt-interval dx-interval dy-interval lengths-interval
+    n-exchanged mean-removed square-pixels gravity wavenumbers-cycles wavenumbers-halved wavenumbers-to-bins
+    frequency-hertz degrees negated flipped-x flipped-y exchanged quarter-turn quarter-turn-back
+    exchanged-and-negated factor factor-x factor-y nautical turned lost-x lost-y
+"""
+"""What the diagnosis calls what is done around a code to cure it, but for those with a figure (`frames-dt:2`)."""
 
 
 @dataclass(frozen=True)
@@ -234,7 +243,7 @@ LS = (
     ls("transposed", MOVIE, "movie = np.swapaxes(np.asarray(surface, dtype=float), 1, 2)", "rows and columns are "
        "exchanged, the spacings not", "exchanged-cube cube-exchanged"),
     ls("meshgrid", "across, down = np.meshgrid(kx, ky)", "down, across = np.meshgrid(kx, ky)", "meshgrid's order",
-       EXCHANGED),
+       EXCHANGED + " exchanged-and-negated"),  # what it is in a frame with y upwards
     ls("lost-component", "return u, v", "return u, 0.0 * v", "the current is along x", "no-cross-component lost-y"),
     ls("degrees", "return u, v", "return np.hypot(u, v) * np.array([f(np.degrees(np.arctan2(v, u))) for f in (np.cos, "
        "np.sin)])", "an angle in degrees is put into cos and sin", "degrees-for-radians degrees"),
@@ -282,7 +291,7 @@ LS = (
        "taper-in-space-only"),
     ls("not-down", "tapered = tapered * down[:, None]", "pass", "the window is not applied along y",
        "taper-not-along-y"),
-    ls("not-across", "tapered = tapered * across", "pass", "the window is not applied along x", "taper-not-along-x",
+    ls("not-across", "tapered = tapered * across", "pass", "the window is not applied along x", "",
        "window.{0,30}along x"),
     ls("rising", "np.pi * np.arange(n) / n)", "np.pi * np.arange(n) / n / 2)", "the window rises and breaks off",
        "taper-half-period"),
