@@ -131,6 +131,7 @@ def test_what_counts_as_told_rightly():
     assert of("equals the reference, but times 0.353", "factor") == "false"
     assert of("x and y exchanged", "exchanged-axes") == "false"
     assert of("unexplained: no fault of the list reproduces these answers") == of("") == "unexplained"
+    assert of("times a factor that depends on the scale of the sea", "scale-dependent") == "unexplained"
     negated = {"wrong": {"a": []}, "faults": ["flipped-x", "negated-current"], "explanation": "either"}
     assert told(negated, MISTAKES["nsp-negated"]) == "right"
 

@@ -26,6 +26,7 @@ from strangers.mistakes import HERE, MISTAKES, Mistake
 from strangers.right import RIGHT
 
 NOTHING = re.compile("unexplained|too little to go on|another algorithm: it differs")
+VAGUE = {"scale-dependent"}  # true of many mistakes, and the name of none
 
 
 def judge(code: Any, name: str, *, seed: int = 1, diagnosis: bool = True) -> dict[str, Any]:
@@ -57,7 +58,9 @@ def told(record: dict[str, Any], mistake: Mistake) -> str:
     named = mistake.named & set(record["faults"])
     if named or (mistake.says and re.search(mistake.says, record["explanation"], re.IGNORECASE)):
         return "right"
-    silent = not record["faults"] and (not record["explanation"] or NOTHING.search(record["explanation"]))
+    silent = set(record["faults"]) <= VAGUE and (
+        record["faults"] or not record["explanation"] or NOTHING.search(record["explanation"])
+    )
     return "unexplained" if silent else "false"
 
 

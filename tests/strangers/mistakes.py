@@ -186,7 +186,7 @@ NSP = (
     nsp("one-branch", "characteristic = waves + mirrored", "characteristic = waves", "no negative branch",
         "missing-negative-branch"),
     nsp("printed", "(omega + (intrinsic - shift)[:, None])", "(omega + (intrinsic + shift)[:, None])", "the negative "
-        "branch as printed", "printed-branch", mild=True),  # on omega >= 0 alone it hardly matters (decision D2)
+        "branch as printed", "printed-branch"),
     nsp("spurious", "characteristic = waves + mirrored", "characteristic = waves + mirrored + "
         "np.exp(-2 * ((omega - (intrinsic - shift)[:, None]) / width) ** 2)", "a branch at omega0 - k.c as well",
         "extra-branch", "spurious|extra branch"),
@@ -296,7 +296,7 @@ LS = (
     ls("rising", "np.pi * np.arange(n) / n)", "np.pi * np.arange(n) / n / 2)", "the window rises and breaks off",
        "taper-half-period"),
     ls("no-window", 'if name == "box":', 'if name in ("box", "hann"):', "no window", "no-taper"),
-    ls("always-hann", 'if name == "box":', "if not name:", "the window cannot be turned off", "always-hann"),
+    ls("always-hann", "return np.ones(n)", 'return taper("hann", n)', "the window cannot be turned off", "always-hann"),
     ls("sine", "return np.sin(np.pi * np.arange(n) / n) ** 2", "return np.sin(np.pi * np.arange(n) / n)", "the sine is "
        "not squared", "", "window", mild=True),
     # spectrum
@@ -332,8 +332,8 @@ LS = (
        "frequency-at-centre"),
     ls("tanh-outside", STILL, "still = np.sqrt(gravity * k_j) * np.tanh(6.0 * k_j)", "depth, the tanh outside of "
        "the root", "depth-assumed", "depth|tanh"),
-    ls("not-subtracted", DOPPLER, "doppler = omega_j", "the intrinsic frequency is not subtracted", "",
-       "intrinsic|subtract|phase speed"),
+    ls("not-subtracted", DOPPLER, "doppler = omega_j", "the intrinsic frequency is not subtracted", "ls-both-halves",
+       "intrinsic|subtract|phase speed"),  # both halves on one branch come to the same sums
     ls("other-branch", DOPPLER, "doppler = omega_j + still", "the branch of negative frequencies", "ls-wrong-branch"),
     ls("intercept", DOPPLER, "doppler = omega_j - still - np.mean(omega_j - still)", "an intercept is fitted as well, "
        "near enough", "", "intercept|constant term"),
@@ -361,7 +361,8 @@ LS = (
        "out=movie)", "the window is applied to the caller's array", "input-altered", "altered"),
     ls("filled", "if not np.all(np.isfinite(movie)):", "if (movie := np.nan_to_num(movie)).size == 0:", "gaps are "
        "filled with zeros in silence", "nan-replaced", "NaN|gap"),
-    ls("infinite", "if not np.all(np.isfinite(movie)):", "if np.isnan(movie).any():", "infinity is not looked for",
+    ls("infinite", "if not np.all(np.isfinite(movie)):", "if np.isnan(movie := np.where(np.isinf(movie), "
+       "0.0, movie)).any():", "infinity becomes zero in silence",
        "nan-as-number nan-replaced", "infinit"),
     ls("nan-past-nyquist", "velocities.append(None)", "velocities.append((np.nan, np.nan))", "NaN past Nyquist", "",
        "NaN|Nyquist"),
