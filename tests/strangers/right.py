@@ -341,8 +341,17 @@ class FromLeastSquares(Code):
         return -climb(overlap, unit, max(candidates, key=overlap))
 
 
+def called(kind, method):
+    """A code that goes by another method's name, or by none."""
+    code = kind()
+    code.method = method
+    return code
+
+
 RIGHT = {
     "cylinder": Cylinder,
+    "cylinder-called-nsp": lambda: called(Cylinder, "nsp"),  # as its equation stands in the paper
+    "cylinder-unnamed": lambda: called(Cylinder, ""),
     "ls-iterative": IterativeLeastSquares,
     "huber": Huber,
     "ls-weighted": WeightedLeastSquares,
@@ -354,6 +363,9 @@ RIGHT = {
     "even": lambda: even,
     "scaled": Scaled,
     "lattice": Lattice,
+    "lattice-called-nsp": lambda: called(Lattice, "nsp"),  # as the paper's co-author does
+    "adaptive-unnamed": lambda: called(Adaptive, ""),
+    "huber-unnamed": lambda: called(Huber, ""),
     "polar-search": PolarSearch,
     "pcs": PolarCurrentShell,
     "hann-only": HannOnly,
