@@ -1,0 +1,1 @@
+"""Codes that share no line with leakref: what its fairness and its diagnosis are measured on."""
