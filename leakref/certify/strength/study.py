@@ -21,6 +21,7 @@ from leakref import kept, runs, sources
 from leakref._output import dump, envelope, folder, plain, progress_bar, write_whole
 from leakref.certify.checks.criteria import NEVER
 from leakref.certify.checks.draw import DRAWN, PUBLISHED
+from leakref.certify.checks.identity import identify
 from leakref.certify.checks.registry import FAMILIES, Case, Check
 from leakref.certify.runner import select
 from leakref.certify.strength import faults, variants
@@ -120,9 +121,10 @@ def fault_record(
     asked = [*killing, *(select(profile="quick") if full else ())]
     own = sorted((pair for pair in everything if pair[0].family == fault.family), key=lambda pair: not pair[1].quick)
     over: dict[str, float] = {}
+    fresh = _subjects(lambda: make(fault.id))
     for pair in [*asked, *own]:
         if _name(pair) not in over and (pair in asked or not _killers(over, fault.family)):
-            over[_name(pair)] = _over(pair[0](InProcess(make(fault.id)), pair[1]))
+            over[_name(pair)] = _over(pair[0](fresh(), pair[1]))
     killers = _killers(over, fault.family)
     return {
         "id": fault.id,
@@ -132,6 +134,21 @@ def fault_record(
         "witness": fault.killing_input,
         "over": over,
     }
+
+
+def _subjects(make: Callable[[], Any]) -> Callable[[], InProcess]:
+    """Makes a new session with a new code each time, so that no question hears of another; what it was found to
+    reproduce is asked once.
+    """
+    first = InProcess(make())
+    alike = identify(first)
+
+    def fresh() -> InProcess:
+        subject = InProcess(make())
+        subject.alike, subject.reproduces = alike, first.reproduces
+        return subject
+
+    return fresh
 
 
 def _name(pair: tuple[Check, Case]) -> str:
@@ -221,7 +238,8 @@ def variant_record(
             for check, case in pairs
             if check.family in (_SEEN if first else DRAWN) and (first or check.id != _COUNTED)
         ]
-    found = [check(InProcess(make(identifier)), case) for check, case in asked]
+    fresh = _subjects(lambda: make(identifier))
+    found = [check(fresh(), case) for check, case in asked]
     wrong = [f for f in found if f.verdict in WRONG]
     return {
         "id": identifier,
