@@ -1,0 +1,298 @@
+"""Repairs: what may stand around a code so that its answers come right, by name.
+
+Each is the inverse of a mistake that people make. `OUTPUTS` change what the code answered, which costs no call,
+`INPUTS` what it is handed: parameters first, then the cube and its steps. `cure` looks for the smallest under which
+what failed comes right.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import scipy.fft
+
+from leakref._base import FloatArray
+from leakref.certify.strength.repaired import Back, Question, Repair, joined
+from leakref.window import window as named_window
+
+__all__ = ["GRAVITIES", "IMAGES", "INPUTS", "NAMED", "OUTPUTS", "PAIRS", "factor", "gravity", "linear", "turned"]
+
+# ---------------------------------------------------------------- of the answer
+
+
+def linear(identifier: str, words: str, matrix: npt.ArrayLike) -> Repair:
+    """The answer times a matrix (2, 2)."""
+    m = np.asarray(matrix, dtype=np.float64)
+    rows = (float(m[0, 0]), float(m[0, 1])), (float(m[1, 0]), float(m[1, 1]))
+    return Repair(identifier, words, back=lambda v, q: v @ m.T, matrix=rows)
+
+
+NAMED = {
+    "unit:knots": (1 / 1.943844, "as if they were in knots"),
+    "unit:km-per-h": (1 / 3.6, "as if they were in km/h"),
+    "unit:cm-per-s": (1 / 100, "as if they were in cm/s"),
+    "unit:mm-per-s": (1 / 1000, "as if they were in mm/s"),
+    "unit:feet-per-s": (0.3048, "as if they were in feet per second"),
+    "factor-two": (2.0, "2"),
+    "factor-half": (0.5, "1/2"),
+    "factor-root-two": (2**0.5, "the root of 2"),
+    "factor-root-half": (2**-0.5, "the root of 1/2"),
+    "factor-pi": (np.pi, "pi"),
+    "factor-two-pi": (2 * np.pi, "2 pi"),
+    "factor-per-two-pi": (0.5 / np.pi, "1 / (2 pi)"),
+    "factor-per-pi": (1 / np.pi, "1 / pi"),
+}
+"""Factors that have a name: their value, and what it is."""
+
+
+def factor(x: float, y: float, digits: float) -> Repair:
+    """The answer times a factor, x and y by themselves if they differ, as it was found, to so many `digits`.
+
+    A factor that is one of `NAMED` to within that is taken for it.
+    """
+    near = max(10**-digits, 1e-12)
+    if x == y:
+        for name, (value, words) in NAMED.items():
+            if abs(x / value - 1) <= near:
+                said = f"{value:.4g} ({words})" if name.startswith("unit") else words
+                return linear(name, f"its velocities are multiplied by {said}", np.diag([value, value]))
+        told = f"its velocities are multiplied by {_shown(x, digits)}"
+        return linear("factor", told, np.diag([x, x]))
+    for axis, value, rest, matrix in (("x", x, y, np.diag([x, 1.0])), ("y", y, x, np.diag([1.0, y]))):
+        if abs(rest - 1) <= near:
+            words = f"the {axis} component is multiplied by {_shown(value, digits)}"
+            return linear(f"factor-{axis}", words, matrix)
+    words = f"the x component is multiplied by {_shown(x, digits)} and y by {_shown(y, digits)}"
+    return linear("factor-x+factor-y", words, np.diag([x, y]))
+
+
+def turned(by: complex, digits: float) -> Repair:
+    """The answer turned by an angle, and times a factor if it is not one: a complex number."""
+    angle, size = float(np.degrees(np.angle(by))), abs(by)
+    words = f"its velocities are turned by {angle:.{int(digits > 2)}f} degrees"
+    if abs(size - 1) > 10**-digits:
+        words += f" and multiplied by {_shown(size, digits)}"
+    else:
+        by /= size
+    return linear("turned", words, [[by.real, -by.imag], [by.imag, by.real]])
+
+
+def _shown(value: float, digits: float) -> str:
+    """To the digits that are known."""
+    return f"{value:.{int(np.clip(np.ceil(digits), 2, 7))}g}"
+
+
+def _polar(turn: Callable[[FloatArray], FloatArray]) -> Back:
+    """From rows of speed and angle; `turn` makes of the angle one anticlockwise from x, in radians."""
+    return lambda v, q: v[:, :1] * np.stack([np.cos(turn(v[:, 1])), np.sin(turn(v[:, 1]))], axis=1)
+
+
+IMAGES = (
+    linear("negated", "its velocities are negated", [[-1, 0], [0, -1]]),
+    linear("flipped-x", "the x component is negated", [[-1, 0], [0, 1]]),
+    linear("flipped-y", "the y component is negated", [[1, 0], [0, -1]]),
+    linear("exchanged", "the components are exchanged", [[0, 1], [1, 0]]),
+    linear("quarter-turn", "its velocities are turned left by a quarter turn", [[0, -1], [1, 0]]),
+    linear("quarter-turn-back", "its velocities are turned right by a quarter turn", [[0, 1], [-1, 0]]),
+    linear("exchanged-and-negated", "the components are exchanged and negated", [[0, -1], [-1, 0]]),
+)
+_READ = "its two numbers are read as speed and direction"
+_OTHERS = (
+    Repair("unit:pixels-per-frame", "its velocities are multiplied by dx / dt and dy / dt: pixels per frame",
+           back=lambda v, q: v * np.array(q.steps[:2]) / q.steps[2]),
+    Repair("unit:pixels-per-time", "its velocities are multiplied by dx and dy: pixels per time",
+           back=lambda v, q: v * np.array(q.steps[:2])),
+    Repair("unit:per-frame", "its velocities are divided by dt: lengths per frame", back=lambda v, q: v / q.steps[2]),
+    Repair("divided-by-wavenumber", "its velocities are divided by the wavenumber: Doppler shifts k c",
+           back=lambda v, q: v / _at(q, v)),
+    Repair("multiplied-by-wavenumber", "its velocities are multiplied by the wavenumber",
+           back=lambda v, q: v * _at(q, v)),
+    Repair("polar", f"{_READ}, in radians from x", back=_polar(lambda a: a)),
+    Repair("polar-degrees", f"{_READ}, in degrees from x", back=_polar(np.radians)),
+    Repair("compass", f"{_READ}, in degrees clockwise from y", back=_polar(lambda a: np.pi / 2 - np.radians(a))),
+    Repair("compass-from", f"{_READ} it comes from, in degrees clockwise from y",
+           back=_polar(lambda a: -np.pi / 2 - np.radians(a))),
+    Repair("rows-reversed", "its velocities are taken in the reverse order", back=lambda v, q: v[::-1]),
+)  # fmt: skip
+OUTPUTS = (*IMAGES, *_OTHERS)
+"""Repairs of the answer, which cost no call."""
+
+
+def _at(q: Question, v: FloatArray) -> FloatArray:
+    """The wavenumbers of answers (m, 2), as a column; ones where they are not those asked for."""
+    return q.wavenumbers[:, None] if len(v) == q.wavenumbers.size else np.ones((1, 1))
+
+
+# ---------------------------------------------------------------- of what is handed over
+
+
+def _stepped(q: Question, x: float = 1.0, y: float = 1.0, t: float = 1.0) -> Question:
+    return replace(q, steps=(q.steps[0] * x, q.steps[1] * y, q.steps[2] * t))
+
+
+def _in_units(length: Callable[[Question], float], time: Callable[[Question], float], **more: Any) -> dict[str, Any]:
+    """The same sea with lengths and times multiplied: a right code answers the same."""
+
+    def change(q: Question) -> Question:
+        b, a = length(q), time(q)
+        handed = _stepped(q, b, b, a)
+        return replace(handed, eta=q.eta * b, gravity=q.gravity * b / a**2, wavenumbers=q.wavenumbers / b)
+
+    return {"change": change, "back": lambda v, q: v * (time(q) / length(q)), "at": length, **more}
+
+
+def gravity(value: float, digits: int = 4) -> Repair:
+    """In units of time in which gravity is what the code seems to take it for."""
+    words = f"gravity is {value:.{digits}g}, whatever it is told (time and velocity in units in which it is)"
+    by = _in_units(lambda q: 1.0, lambda q: float(np.sqrt(q.gravity / value)), needs="gravity")
+    return Repair(f"gravity:{value:.{digits}g}", words, **by)
+
+
+GRAVITIES = tuple(map(gravity, (1.0, 9.81, 9.8, 9.80665, 10.0, 32.2, 981.0)))
+
+
+def _interval(q: Question, which: str, sign: int) -> Question:
+    """Steps of the axes in `which` times n / (n - 1), or the inverse."""
+    by = {axis: (n / (n - 1)) ** sign for axis, n in zip("xyt", q.sizes, strict=True) if axis in which}
+    return _stepped(q, **by)
+
+
+def _intervals() -> list[Repair]:
+    axes = {"dt": "t", "dx": "x", "dy": "y", "lengths": "xy", "steps": "xyt"}
+    said = {"lengths": "dx and dy are", "steps": "dx, dy and dt are"}
+    return [
+        Repair(f"{name}-interval" + "-back" * (sign < 0),
+               f"{said.get(name, f'{name} is')} multiplied by {by}, n the number of samples",
+               partial(_interval, which=which, sign=sign))
+        for name, which in axes.items() for sign, by in ((1, "n / (n - 1)"), (-1, "(n - 1) / n"))
+    ]  # fmt: skip
+
+
+def _sides(q: Question, x: int, y: int) -> Question:
+    """dx times nx / ny to the power x, dy times ny / nx to the power y."""
+    nx, ny = q.sizes[:2]
+    return _stepped(q, (nx / ny) ** x, (ny / nx) ** y)
+
+
+def _flipped(q: Question, axis: int) -> Question:
+    return replace(q, eta=np.flip(q.eta, axis))
+
+
+def _tapered(q: Question, axes: tuple[int, ...]) -> Question:
+    """Times the window that was asked for, along some axes."""
+    eta = q.eta
+    for axis in axes if q.window != "box" else ():
+        samples = named_window(q.window).samples(eta.shape[axis])
+        eta = eta * samples.reshape([-1 if n == axis else 1 for n in range(3)])
+    return replace(q, eta=eta, window="box")
+
+
+def _resampled(q: Question, axes: tuple[int, ...], odd: int) -> Question:
+    """The same lengths with one sample more along an axis where their number is odd (or even)."""
+    eta, steps = q.eta, list(q.steps)
+    for axis in axes:
+        n = eta.shape[axis]
+        if n % 2 != odd:
+            spectrum = scipy.fft.rfft(eta, axis=axis)
+            if n % 2 == 0:  # the Nyquist bin, which is two in the longer one
+                spectrum[tuple(-1 if m == axis else slice(None) for m in range(3))] /= 2
+            eta = scipy.fft.irfft(spectrum, n + 1, axis=axis) * ((n + 1) / n)
+            steps[axis] *= n / (n + 1)
+    return replace(q, eta=eta, steps=(steps[0], steps[1], steps[2]), sizes=eta.shape)
+
+
+def _ascending(q: Question) -> Question:
+    return replace(q, wavenumbers=np.sort(q.wavenumbers))
+
+
+def _unsorted(v: FloatArray, q: Question) -> FloatArray:
+    return v[np.argsort(np.argsort(q.wavenumbers))] if len(v) == q.wavenumbers.size else v
+
+
+def _moved(q: Question, bins: float) -> Question:
+    return replace(q, wavenumbers=q.wavenumbers + bins * q.bin)
+
+
+def _times(q: Question, by: float) -> Question:
+    return replace(q, wavenumbers=q.wavenumbers * by)
+
+
+def _froude(scale: float) -> dict[str, Any]:
+    """Shown smaller (or larger) by Froude's law: gravity is the same."""
+    return _in_units(lambda q: 1 / scale, lambda q: scale**-0.5)
+
+
+_TAU = 2 * np.pi
+_PARAMETERS = (
+    Repair("wavenumbers-cycles", "wavenumbers are given in cycles per length: divided by 2 pi",
+           partial(_times, by=1 / _TAU)),
+    Repair("wavenumbers-times-two-pi", "wavenumbers are multiplied by 2 pi", partial(_times, by=_TAU)),
+    Repair("wavenumbers-halved", "wavenumbers are halved", partial(_times, by=0.5)),
+    Repair("wavenumbers-doubled", "wavenumbers are doubled", partial(_times, by=2.0)),
+    Repair("wavenumbers-to-bins", "half a bin is added to wavenumbers: answers are at the bin below",
+           partial(_moved, bins=0.5)),
+    Repair("wavenumbers-bin-up", "a bin is added to wavenumbers", partial(_moved, bins=1.0)),
+    Repair("wavenumbers-bin-down", "a bin is taken from wavenumbers", partial(_moved, bins=-1.0)),
+    Repair("wavenumbers-ascending", "wavenumbers are given in ascending order", _ascending, _unsorted),
+    Repair("one-by-one", "each wavenumber is asked for by itself", alone=True),
+    Repair("frequency-hertz", "dt is divided by 2 pi: frequencies are in Hz", partial(_stepped, t=1 / _TAU)),
+    Repair("frequency-times-two-pi", "dt is multiplied by 2 pi", partial(_stepped, t=_TAU)),
+    Repair("lengths-cycles", "dx and dy are divided by 2 pi: wavenumbers are in cycles",
+           partial(_stepped, x=1 / _TAU, y=1 / _TAU)),
+    Repair("frame-rate", "1 / dt is given for dt", lambda q: _stepped(q, t=q.steps[2] ** -2)),
+    Repair("steps-exchanged", "dx and dy are exchanged", lambda q: _stepped(q, q.steps[1] / q.steps[0],
+                                                                              q.steps[0] / q.steps[1])),
+    Repair("unit-dt", "times are in frames, so that dt is 1",
+           **_in_units(lambda q: 1.0, lambda q: 1 / q.steps[2])),
+    Repair("unit-dx", "lengths are in pixels, so that dx is 1",
+           **_in_units(lambda q: 1 / q.steps[0], lambda q: 1.0)),
+)  # fmt: skip
+_INPUT = (
+    *_intervals(),
+    Repair("n-exchanged", "dx is multiplied by nx / ny and dy by ny / nx: their numbers of samples are exchanged",
+           partial(_sides, x=1, y=1)),
+    Repair("ny-for-nx", "dx is multiplied by nx / ny: ny is used for nx", partial(_sides, x=1, y=0)),
+    Repair("nx-for-ny", "dy is multiplied by ny / nx: nx is used for ny", partial(_sides, x=0, y=1)),
+    Repair("frames-dt:2", "dt is doubled, as if every second frame were read", partial(_stepped, t=2.0)),
+    Repair("frames-dt:3", "dt is tripled, as if every third frame were read", partial(_stepped, t=3.0)),
+    Repair("frames-dt:1/2", "dt is halved", partial(_stepped, t=0.5)),
+    Repair("x-reversed", "the cube is reversed along x", partial(_flipped, axis=0)),
+    Repair("y-reversed", "the cube is reversed along y", partial(_flipped, axis=1)),
+    Repair("time-reversed", "the frames are given in reverse order", partial(_flipped, axis=2)),
+    Repair("cube-exchanged", "the axes x and y of the cube are exchanged, and nothing else",
+           lambda q: replace(q, eta=np.swapaxes(q.eta, 0, 1))),
+    Repair("mean-removed", "the mean is taken from the cube", lambda q: replace(q, eta=q.eta - q.eta.mean())),
+    Repair("normalised", "the cube is divided by its standard deviation",
+           lambda q: replace(q, eta=q.eta / (float(q.eta.std()) or 1.0))),
+    *(Repair(f"tapered-{name}", f"the cube is tapered {said}beforehand", partial(_tapered, axes=axes))
+      for name, said, axes in (("beforehand", "", (0, 1, 2)), ("in-space", "in space ", (0, 1)),
+                               ("in-time", "in time ", (2,)), ("in-x", "along x ", (0,)), ("in-y", "along y ", (1,)))),
+    *(Repair(f"{name}-{parity}", f"the number of {said} is {parity} (interpolated)",
+             partial(_resampled, axes=axes, odd=odd))
+      for name, said, axes in (("frames", "frames", (2,)), ("sides", "samples along x and y", (0, 1)))
+      for odd, parity in enumerate(("even", "odd"))),
+    Repair("square-pixels", "pixels are square", square=True),
+    *(Repair(f"waves:{name}", f"the waves are {said} by Froude's law", **_froude(scale))
+      for name, said, scale in (("1/16", "16 times shorter", 16.0), ("1/4", "4 times shorter", 4.0),
+                                ("4", "4 times longer", 0.25), ("16", "16 times longer", 1 / 16))),
+)  # fmt: skip
+INPUTS = (*_PARAMETERS, *_INPUT)
+"""Repairs of what is handed over: parameters first, then the cube and its steps."""
+_BY_ID = {repair.id: repair for repair in INPUTS}
+PAIRS = tuple(
+    joined(_BY_ID[first], _BY_ID[second])
+    for first, second in (
+        ("dt-interval", "frequency-hertz"), ("lengths-interval", "lengths-cycles"), ("dt-interval", "square-pixels"),
+        ("lengths-interval", "square-pixels"), ("dt-interval", "n-exchanged"), ("dt-interval", "steps-exchanged"),
+        ("wavenumbers-cycles", "lengths-cycles"), ("frequency-hertz", "wavenumbers-cycles"),
+        ("dt-interval", "tapered-beforehand"), ("lengths-interval", "tapered-beforehand"),
+        ("unit-dt", "unit-dx"), ("dt-interval", "cube-exchanged"), ("frames-dt:2", "dt-interval"),
+        ("dt-interval", "wavenumbers-halved"), ("lengths-interval", "wavenumbers-halved"),
+    )
+)  # fmt: skip
+"""Two at once, of what was handed over."""
