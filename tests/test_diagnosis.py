@@ -169,7 +169,7 @@ def test_of_square_pixels_the_hypotheses_are_given_the_same(few):
 )
 def test_of_another_algorithm_what_is_common_is_named(matrix, fault, words, few):
     noise = np.random.default_rng(0)
-    other = answering(lambda found, k: (found + 0.02 * noise.standard_normal(found.shape)) @ np.array(matrix).T)
+    other = answering(lambda found, k: (found + 0.004 * noise.standard_normal(found.shape)) @ np.array(matrix).T)
     failed, declared, _ = wrong(other, "signs.aligned", "recovery.pair")
     (best,) = diagnose(failed, declared).hypotheses
     assert best.fault == fault

@@ -16,7 +16,7 @@ from leakref.certify.checks.registry import Case, Check
 from leakref.certify.runner import select
 from leakref.certify.verdict import WRONG, Finding
 
-__all__ = ["EXACT_FOR_ALL", "TRUE", "Clue", "digits", "gather", "velocities"]
+__all__ = ["EXACT_FOR_ALL", "TRUE", "Clue", "Hypothesis", "digits", "gather", "velocities"]
 
 EXACT_FOR_ALL = ("recovery.pair", "signs.aligned", "currents.aligned", "leakage.aligned")
 """Checks of so few waves that other algorithms with the same mistake give the same answers."""
@@ -85,3 +85,21 @@ def digits(found: FloatArray, should: FloatArray) -> FloatArray:
     scale = np.abs(should).max(initial=_USUAL)
     off = np.abs(found - should).max(axis=1) / scale
     return np.clip(-np.log10(np.maximum(off, 10**-_FULL)), 0.0, _FULL)
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """What explains failures: its id, what it is in `words`, and to how many `digits` the answers are right with it.
+
+    `kind`: a `fault` that makes the reference give the same answers, a `repair` that makes the code's own come right,
+    or a `symptom`, which stands in the findings. `digits` are None where no numbers were compared.
+    """
+
+    fault: str
+    words: str
+    digits: float | None
+    kind: str = "fault"
+
+    def record(self) -> dict[str, Any]:
+        """As in the JSON of `leakref certify`."""
+        return {"fault": self.fault, "digits": self.digits, "words": self.words, "kind": self.kind}
