@@ -16,7 +16,6 @@ from itertools import combinations
 import numpy as np
 
 from leakref._base import FloatArray
-from leakref.certify.checks.registry import Case, Check
 from leakref.certify.runner import select
 from leakref.certify.strength.clues import EXACT_FOR_ALL, TRUE, Clue, digits, gather, velocities
 from leakref.certify.strength.repaired import NONE, Memory, Repair, Repaired, Spent, joined
@@ -31,9 +30,10 @@ FAMILIES = ("signs", "recovery", "metamorphic", "currents", "shear", "scale", "l
 HOLDS = 1.5
 """Digits to which a factor must be common to all velocities, and to which answers known exactly must come right."""
 _REMAIN = 8  # one in so many questions may go on failing, and is told
-_UNHARMED = 12  # questions that passed and are asked again
+_UNHARMED, _AT_MOST = 5, 12  # questions that passed and must pass, and those that are asked as far as it goes
 _FIRST = 2  # questions that every repair is tried on, and from which a factor is found
 _FEW = 12  # questions among which these are looked for
+_ASKED = 8  # questions that must come right; the others are asked as far as the allowance goes
 _SURE = 4.0  # digits from which nothing else need be tried
 _SAME_AS_OUTPUTS = ("x-reversed", "y-reversed", "time-reversed", "cube-exchanged")
 _ALIKE = 0.5  # digits within which repairs are as good as the best
@@ -45,13 +45,15 @@ Step = Callable[[], object]
 
 @dataclass(frozen=True)
 class Cure:
-    """A repair that holds: of so many `failed` questions it answers `cured`, and none of the `unharmed` wrongly.
+    """A repair that holds: of the `asked` among so many `failed` questions it answers `cured` rightly, and none of the
+    `unharmed` wrongly.
 
     `digits` are those to which answers come right that are known exactly; None if none are.
     """
 
     repair: Repair
     cured: int
+    asked: int
     failed: int
     unharmed: int
     digits: float | None
@@ -64,8 +66,9 @@ class Cure:
     @property
     def counted(self) -> str:
         """On what it rests."""
-        most = "" if self.cured == self.failed else "most of what failed: "
-        return f"{most}{self.cured} of {self.failed} failed questions, none of {self.unharmed} others harmed"
+        most = "" if self.cured == self.asked else "most of what failed: "
+        again = "" if self.asked == self.failed else f", of the {self.failed} no more were asked again"
+        return f"{most}{self.cured} of {self.asked} failed questions{again}, none of {self.unharmed} others harmed"
 
 
 @dataclass(eq=False)
@@ -119,14 +122,15 @@ class Search:
             if clue.check.family in FAMILIES and clue.check.stage == "extract" and clue.finding.verdict is Verdict.FAIL
         )
         passed = [
-            known[f.id]
+            Clue(*known[f.id], f)
             for f in findings
             if f.verdict is Verdict.PASS
             and f.family in FAMILIES
             and f.id in known
             and known[f.id][0].stage == "extract"
         ]
-        self.passed = list(_spread(passed))[:_UNHARMED]
+        cheap = sorted(passed, key=lambda clue: clue.check.id not in EXACT_FOR_ALL)
+        self.passed = _alternating(cheap)[:_AT_MOST]
         self._found: dict[tuple[str, str, str], Finding] = {}
 
     def best(self) -> list[Cure]:
@@ -151,10 +155,12 @@ class Search:
 
     def _forget_what_passes(self) -> None:
         """A question that passes when it is asked again says nothing: something else than it decides on the answer."""
-        again = [clue for clue in self.failed if self._finding(clue, NONE, NONE).verdict is Verdict.PASS]
+        some = self.failed[: 2 * _FIRST]
+        again = [clue for clue in some if self._finding(clue, NONE, NONE).verdict is Verdict.PASS]
         if again:
-            total = len(self.failed)
-            self.remark = f"asked again {len(again)} of {total} failed questions pass: its answers are not repeated"
+            self.remark = (
+                f"{len(again)} of {len(some)} failed questions pass when asked again: answers are not repeated"
+            )
             self.failed = [clue for clue in self.failed if clue not in again]
 
     def _inputs(self) -> Iterator[Repair]:
@@ -187,7 +193,7 @@ class Search:
         for handed, some in tries:
             first = [_Candidate(handed, answered) for answered in (NONE, *some)]
             for clue in self.failed[:_FIRST]:
-                for one in first:
+                for one in first if fits or some else [one for one in first if one.missed <= remain]:
                     self._count(one, clue)
             for fitted in (
                 self._fits(handed, self.failed[: _FIRST if handed is not NONE else 2 * _FIRST]) if fits else ()
@@ -196,7 +202,7 @@ class Search:
                 for clue in self.failed[:_FIRST]:
                     self._count(first[-1], clue)
             found += [one for one in first if one.missed <= remain]
-        for clue in self.failed[_FIRST:]:
+        for clue in self.failed[_FIRST:_ASKED]:
             for one in found:
                 self._count(one, clue)
             found = [one for one in found if one.missed <= remain]
@@ -226,13 +232,12 @@ class Search:
 
     def _harmless(self, one: _Candidate) -> bool:
         """Whether all that passed, as far as it is asked again, passes with it."""
-        for check, case in self.passed:
-            clue = Clue(check, case, Finding(f"{check.id}[{case.id}]", check.family, Verdict.PASS, ""))
-            verdict = self._finding(clue, one.handed, one.answered).verdict
-            if verdict not in (Verdict.PASS, Verdict.UNSUPPORTED):
-                return False
-            one.unharmed += verdict is Verdict.PASS
-        return one.cured + one.unharmed >= 3
+        return all(self._unharmed(one, clue) for clue in self.passed[:_UNHARMED]) and one.cured + one.unharmed >= 3
+
+    def _unharmed(self, one: _Candidate, clue: Clue) -> bool:
+        verdict = self._finding(clue, one.handed, one.answered).verdict
+        one.unharmed += verdict is Verdict.PASS
+        return verdict in (Verdict.PASS, Verdict.UNSUPPORTED)
 
     @property
     def _turn(self) -> FloatArray:
@@ -303,17 +308,40 @@ class Search:
     def _ranked(self, found: list[_Candidate]) -> list[Cure]:
         """Those that harm nothing: the most cured, then those that come right to as many digits as the best."""
         best: list[_Candidate] = []
-        for one in sorted(found, key=lambda one: (one.repair.parts, -one.cured, -_digits(one))):
-            if best and (one.repair.parts, one.cured) != (best[0].repair.parts, best[0].cured):
-                break
-            if best and _digits(one) < _digits(best[0]) - _ALIKE:
-                break
-            if self._harmless(one):
-                best.append(one)
+        try:
+            for one in sorted(found, key=lambda one: (one.repair.parts, -one.cured, -_digits(one))):
+                if best and (one.repair.parts, one.cured) != (best[0].repair.parts, best[0].cured):
+                    break
+                if best and _digits(one) < _digits(best[0]) - _ALIKE:
+                    break
+                if self._harmless(one):
+                    best.append(one)
+        except Spent:
+            if not best:
+                raise
+        best = [one for one in best if self._goes_on(one)]
+        total = len(self.failed)
         return [
-            Cure(one.repair, one.cured, len(self.failed), one.unharmed, round(_digits(one), 1) if one.right else None)
+            Cure(
+                one.repair,
+                one.cured,
+                one.cured + one.missed,
+                total,
+                one.unharmed,
+                round(_digits(one), 1) if one.right else None,
+            )
             for one in best
         ]
+
+    def _goes_on(self, one: _Candidate) -> bool:
+        """Whether the other failed questions come right as well, as far as they can be asked."""
+        try:
+            for clue in self.failed[_ASKED:]:
+                self._count(one, clue)
+            harmless = all(self._unharmed(one, clue) for clue in self.passed[_UNHARMED:])
+        except Spent:
+            harmless = True  # as far as is known
+        return harmless and one.missed <= len(self.failed) // _REMAIN
 
     def _best_of(self, cures: list[Cure]) -> list[Cure]:
         """Of several searches, in their order."""
@@ -327,24 +355,24 @@ def _telling_first(clues: Iterable[Clue]) -> list[Clue]:
     truths = [velocities(clue.finding.figures)[1] if clue.check.family in TRUE else np.empty((0, 2)) for clue in found]
     for n, m in combinations([n for n, truth in enumerate(truths) if truth.any()][:_FEW], 2):
         if _spans(np.concatenate([truths[n], truths[m]])):
-            return [found[n], found[m], *(clue for clue in found if clue not in (found[n], found[m]))]
-    return found
+            return [found[n], found[m], *(_alternating(clue for clue in found if clue not in (found[n], found[m])))]
+    return _alternating(found)
+
+
+def _alternating(clues: Iterable[Clue]) -> list[Clue]:
+    """Each check once before any twice, in their order."""
+    seen: dict[str, int] = {}
+    keyed = []
+    for n, clue in enumerate(clues):
+        seen[clue.check.id] = seen.get(clue.check.id, -1) + 1
+        keyed.append((seen[clue.check.id], n, clue))
+    return [clue for _, _, clue in sorted(keyed, key=lambda row: row[:2])]
 
 
 def _spans(velocities: FloatArray) -> bool:
     """Whether velocities (m, 2) are not all along one line."""
     size = float(np.abs(velocities).max(initial=0.0))
     return len(velocities) > 1 and size > 0 and bool(np.linalg.matrix_rank(velocities, tol=0.3 * size) == 2)
-
-
-def _spread(passed: Sequence[tuple[Check, Case]]) -> Iterator[tuple[Check, Case]]:
-    """Cheap questions first, each check once before any twice."""
-    order: dict[str, int] = {}
-    keyed = []
-    for n, (check, _) in enumerate(passed):
-        order[check.id] = order.get(check.id, -1) + 1
-        keyed.append((order[check.id], check.id not in EXACT_FOR_ALL, n))
-    return (passed[n] for _, _, n in sorted(keyed))
 
 
 def _digits(one: _Candidate) -> float:
