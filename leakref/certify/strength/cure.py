@@ -87,6 +87,10 @@ class _Candidate:
     def repair(self) -> Repair:
         return joined(self.handed, self.answered)
 
+    def made(self, failed: int) -> Cure:
+        known = round(_digits(self), 1) if self.right else None
+        return Cure(self.repair, self.cured, self.cured + self.missed, failed, self.unharmed, known)
+
 
 def cure(
     findings: Sequence[Finding],
@@ -134,24 +138,40 @@ class Search:
         self._found: dict[tuple[str, str, str], Finding] = {}
 
     def best(self) -> list[Cure]:
-        """Single repairs, those of the answer first; then two at once, or some questions left over."""
+        """The smallest repairs that hold, with what more can be asked of them."""
         self._forget_what_passes()
-        if not self.failed:
-            return []
-        alone = self._ranked(self._tried([(NONE, OUTPUTS)], fits=True))
-        if alone and (alone[0].digits or 0.0) >= _SURE:
-            return alone + self._ranked(self._tried((one, ()) for one in INPUTS if one.id in _SAME_AS_OUTPUTS))
-        inputs = list(self._inputs())
+        held: list[_Candidate] = []
+        try:
+            for found in self._searched() if self.failed else ():
+                held = found
+        except Spent:
+            if not held:
+                raise
+        return [one.made(len(self.failed)) for one in held if self._goes_on(one)]
+
+    def _searched(self) -> Iterator[list[_Candidate]]:
+        """What holds, again as more is found: single repairs, those of the answer first; then two at once, or with some
+        questions left over.
+        """
+        inputs: list[Repair] = []
         for remain in (0, len(self.failed) // _REMAIN):
-            singles = alone + self._ranked(self._tried(((one, ()) for one in inputs), remain))
+            alone = self._ranked(self._tried([(NONE, OUTPUTS)], remain, fits=True))
+            yield alone
+            if alone and alone[0].right and _digits(alone[0]) >= _SURE:
+                yield self._ranked(
+                    alone + self._tried(((one, ()) for one in INPUTS if one.id in _SAME_AS_OUTPUTS), remain)
+                )
+                return
+            inputs = inputs or list(self._inputs())
+            singles = self._ranked(alone + self._tried(((one, ()) for one in inputs), remain))
+            yield singles
             if singles:
-                return self._best_of(singles)
+                return
             doubles = self._tried(((one, IMAGES) for one in inputs), remain, fits=True)
-            if found := self._ranked(doubles + self._tried(((one, ()) for one in PAIRS), remain)):
-                return found
-            if not remain:
-                alone = self._ranked(self._tried([(NONE, OUTPUTS)], len(self.failed) // _REMAIN, fits=True))
-        return []
+            doubles = self._ranked(doubles + self._tried(((one, ()) for one in PAIRS), remain))
+            yield doubles
+            if doubles or not len(self.failed) // _REMAIN:
+                return
 
     def _forget_what_passes(self) -> None:
         """A question that passes when it is asked again says nothing: something else than it decides on the answer."""
@@ -168,7 +188,7 @@ class Search:
         own = self.memory.inner.declaration
         ignores = self._ignores_gravity()
         for one in (*INPUTS, *(GRAVITIES if ignores else ())):
-            of_wavenumbers = one.id.startswith(("wavenumbers", "one-by-one"))
+            of_wavenumbers = one.id.startswith(("wavenumbers", "sorted", "one-by-one"))
             if not (of_wavenumbers and ("wavenumbers" in own.fixed or own.band)) and not (
                 one.square and "dy" in own.fixed
             ):
@@ -232,6 +252,7 @@ class Search:
 
     def _harmless(self, one: _Candidate) -> bool:
         """Whether all that passed, as far as it is asked again, passes with it."""
+        one.unharmed = 0
         return all(self._unharmed(one, clue) for clue in self.passed[:_UNHARMED]) and one.cured + one.unharmed >= 3
 
     def _unharmed(self, one: _Candidate, clue: Clue) -> bool:
@@ -305,33 +326,17 @@ class Search:
 
     # ------------------------------------------------------------ which is best
 
-    def _ranked(self, found: list[_Candidate]) -> list[Cure]:
-        """Those that harm nothing: the most cured, then those that come right to as many digits as the best."""
+    def _ranked(self, found: list[_Candidate]) -> list[_Candidate]:
+        """Those that harm nothing: the smallest, then those that come right to as many digits as the best."""
         best: list[_Candidate] = []
-        try:
-            for one in sorted(found, key=lambda one: (one.repair.parts, -one.cured, -_digits(one))):
-                if best and (one.repair.parts, one.cured) != (best[0].repair.parts, best[0].cured):
-                    break
-                if best and _digits(one) < _digits(best[0]) - _ALIKE:
-                    break
-                if self._harmless(one):
-                    best.append(one)
-        except Spent:
-            if not best:
-                raise
-        best = [one for one in best if self._goes_on(one)]
-        total = len(self.failed)
-        return [
-            Cure(
-                one.repair,
-                one.cured,
-                one.cured + one.missed,
-                total,
-                one.unharmed,
-                round(_digits(one), 1) if one.right else None,
-            )
-            for one in best
-        ]
+        for one in sorted(found, key=lambda one: (one.repair.parts, -one.cured, -_digits(one))):
+            if best and (one.repair.parts, one.cured) != (best[0].repair.parts, best[0].cured):
+                break
+            if best and _digits(one) < _digits(best[0]) - _ALIKE:
+                break
+            if self._harmless(one):
+                best.append(one)
+        return sorted(best, key=found.index)
 
     def _goes_on(self, one: _Candidate) -> bool:
         """Whether the other failed questions come right as well, as far as they can be asked."""
@@ -342,11 +347,6 @@ class Search:
         except Spent:
             harmless = True  # as far as is known
         return harmless and one.missed <= len(self.failed) // _REMAIN
-
-    def _best_of(self, cures: list[Cure]) -> list[Cure]:
-        """Of several searches, in their order."""
-        top = max(cures, key=lambda one: (one.cured, one.digits or 0.0))
-        return [one for one in cures if one.cured == top.cured and (one.digits or 0.0) >= (top.digits or 0.0) - _ALIKE]
 
 
 def _telling_first(clues: Iterable[Clue]) -> list[Clue]:

@@ -1,6 +1,6 @@
 """Repairs: what may stand around a code so that its answers come right, by name.
 
-Each is the inverse of a mistake that people make. `OUTPUTS` change what the code answered, which costs no call,
+Each is the inverse of a mistake that people make, and called by the mistake where that has a name. `OUTPUTS` change what the code answered, which costs no call,
 `INPUTS` what it is handed: parameters first, then the cube and its steps. `cure` looks for the smallest under which
 what failed comes right.
 """
@@ -20,7 +20,19 @@ from leakref._base import FloatArray
 from leakref.certify.strength.repaired import Back, Question, Repair, joined
 from leakref.window import window as named_window
 
-__all__ = ["GRAVITIES", "IMAGES", "INPUTS", "NAMED", "OUTPUTS", "PAIRS", "factor", "gravity", "linear", "turned"]
+__all__ = [
+    "GRAVITIES",
+    "IMAGES",
+    "INPUTS",
+    "NUMBERS",
+    "OUTPUTS",
+    "PAIRS",
+    "UNITS",
+    "factor",
+    "gravity",
+    "linear",
+    "turned",
+]
 
 # ---------------------------------------------------------------- of the answer
 
@@ -32,37 +44,31 @@ def linear(identifier: str, words: str, matrix: npt.ArrayLike) -> Repair:
     return Repair(identifier, words, back=lambda v, q: v @ m.T, matrix=rows)
 
 
-NAMED = {
-    "unit:knots": (1 / 1.943844, "as if they were in knots"),
-    "unit:km-per-h": (1 / 3.6, "as if they were in km/h"),
-    "unit:cm-per-s": (1 / 100, "as if they were in cm/s"),
-    "unit:mm-per-s": (1 / 1000, "as if they were in mm/s"),
-    "unit:feet-per-s": (0.3048, "as if they were in feet per second"),
-    "factor-two": (2.0, "2"),
-    "factor-half": (0.5, "1/2"),
-    "factor-root-two": (2**0.5, "the root of 2"),
-    "factor-root-half": (2**-0.5, "the root of 1/2"),
-    "factor-pi": (np.pi, "pi"),
-    "factor-two-pi": (2 * np.pi, "2 pi"),
-    "factor-per-two-pi": (0.5 / np.pi, "1 / (2 pi)"),
-    "factor-per-pi": (1 / np.pi, "1 / pi"),
-}
-"""Factors that have a name: their value, and what it is."""
+UNITS = {"knots": 1.943844, "km/h": 3.6, "cm/s": 100.0, "mm/s": 1000.0, "feet/s": 1 / 0.3048}
+"""In which a velocity of 1 m/s may have come out."""
+NUMBERS = {
+    "2": 2.0, "1/2": 0.5, "3": 3.0, "1/3": 1 / 3, "the root of 2": 2**0.5, "the root of 1/2": 0.5**0.5, "pi": np.pi,
+    "1 / pi": 1 / np.pi, "2 pi": 2 * np.pi, "1 / (2 pi)": 0.5 / np.pi, "9.81": 9.81, "1 / 9.81": 1 / 9.81,
+}  # fmt: skip
+"""Times which it may have come out."""
 
 
 def factor(x: float, y: float, digits: float) -> Repair:
     """The answer times a factor, x and y by themselves if they differ, as it was found, to so many `digits`.
 
-    A factor that is one of `NAMED` to within that is taken for it.
+    A factor that is one of `UNITS` or `NUMBERS` to within that is taken for it.
     """
     near = max(10**-digits, 1e-12)
     if x == y:
-        for name, (value, words) in NAMED.items():
-            if abs(x / value - 1) <= near:
-                said = f"{value:.4g} ({words})" if name.startswith("unit") else words
-                return linear(name, f"its velocities are multiplied by {said}", np.diag([value, value]))
-        told = f"its velocities are multiplied by {_shown(x, digits)}"
-        return linear("factor", told, np.diag([x, x]))
+        by, out, name = x, _shown(1 / x, digits), "factor"
+        for unit, value in UNITS.items():
+            if abs(x * value - 1) <= near:
+                by, out, name = 1 / value, f"{value:.4g}, as if in {unit}", f"unit:{unit}"
+        for words, value in NUMBERS.items():
+            if abs(x * value - 1) <= near:
+                by, out = 1 / value, words
+        told = f"its velocities are multiplied by {_shown(by, max(digits, 3))}: they come out times {out}"
+        return linear(name, told, np.diag([by, by]))
     for axis, value, rest, matrix in (("x", x, y, np.diag([x, 1.0])), ("y", y, x, np.diag([1.0, y]))):
         if abs(rest - 1) <= near:
             words = f"the {axis} component is multiplied by {_shown(value, digits)}"
@@ -108,16 +114,18 @@ _OTHERS = (
     Repair("unit:pixels-per-time", "its velocities are multiplied by dx and dy: pixels per time",
            back=lambda v, q: v * np.array(q.steps[:2])),
     Repair("unit:per-frame", "its velocities are divided by dt: lengths per frame", back=lambda v, q: v / q.steps[2]),
-    Repair("divided-by-wavenumber", "its velocities are divided by the wavenumber: Doppler shifts k c",
+    Repair("doppler-frequency", "its velocities are divided by the wavenumber: Doppler shifts k c",
            back=lambda v, q: v / _at(q, v)),
     Repair("multiplied-by-wavenumber", "its velocities are multiplied by the wavenumber",
            back=lambda v, q: v * _at(q, v)),
+    Repair("unit:phase-speeds", "its velocities are multiplied by the phase speed of the waves, in whose unit they are",
+           back=lambda v, q: v * np.sqrt(q.gravity / _at(q, v))),
     Repair("polar", f"{_READ}, in radians from x", back=_polar(lambda a: a)),
     Repair("polar-degrees", f"{_READ}, in degrees from x", back=_polar(np.radians)),
     Repair("compass", f"{_READ}, in degrees clockwise from y", back=_polar(lambda a: np.pi / 2 - np.radians(a))),
     Repair("compass-from", f"{_READ} it comes from, in degrees clockwise from y",
            back=_polar(lambda a: -np.pi / 2 - np.radians(a))),
-    Repair("rows-reversed", "its velocities are taken in the reverse order", back=lambda v, q: v[::-1]),
+    Repair("reversed-wavenumbers", "its velocities are taken in the reverse order", back=lambda v, q: v[::-1]),
 )  # fmt: skip
 OUTPUTS = (*IMAGES, *_OTHERS)
 """Repairs of the answer, which cost no call."""
@@ -148,9 +156,9 @@ def _in_units(length: Callable[[Question], float], time: Callable[[Question], fl
 
 def gravity(value: float, digits: int = 4) -> Repair:
     """In units of time in which gravity is what the code seems to take it for."""
-    words = f"gravity is {value:.{digits}g}, whatever it is told (time and velocity in units in which it is)"
+    words = f"gravity is {value:.{digits}g}, whatever it is told (by the unit of time)"
     by = _in_units(lambda q: 1.0, lambda q: float(np.sqrt(q.gravity / value)), needs="gravity")
-    return Repair(f"gravity:{value:.{digits}g}", words, **by)
+    return Repair("gravity", words, **by)
 
 
 GRAVITIES = tuple(map(gravity, (1.0, 9.81, 9.8, 9.80665, 10.0, 32.2, 981.0)))
@@ -163,8 +171,8 @@ def _interval(q: Question, which: str, sign: int) -> Question:
 
 
 def _intervals() -> list[Repair]:
-    axes = {"dt": "t", "dx": "x", "dy": "y", "lengths": "xy", "steps": "xyt"}
-    said = {"lengths": "dx and dy are", "steps": "dx, dy and dt are"}
+    axes = {"dt": "t", "dx": "x", "dy": "y", "sides": "xy", "lengths": "xyt"}
+    said = {"sides": "dx and dy are", "lengths": "dx, dy and dt are"}
     return [
         Repair(f"{name}-interval" + "-back" * (sign < 0),
                f"{said.get(name, f'{name} is')} multiplied by {by}, n the number of samples",
@@ -234,20 +242,22 @@ _PARAMETERS = (
     Repair("wavenumbers-times-two-pi", "wavenumbers are multiplied by 2 pi", partial(_times, by=_TAU)),
     Repair("wavenumbers-halved", "wavenumbers are halved", partial(_times, by=0.5)),
     Repair("wavenumbers-doubled", "wavenumbers are doubled", partial(_times, by=2.0)),
+    Repair("wavenumbers-for-wavelengths", "wavelengths are given in place of wavenumbers",
+           lambda q: replace(q, wavenumbers=_TAU / q.wavenumbers)),
     Repair("wavenumbers-to-bins", "half a bin is added to wavenumbers: answers are at the bin below",
            partial(_moved, bins=0.5)),
     Repair("wavenumbers-bin-up", "a bin is added to wavenumbers", partial(_moved, bins=1.0)),
     Repair("wavenumbers-bin-down", "a bin is taken from wavenumbers", partial(_moved, bins=-1.0)),
-    Repair("wavenumbers-ascending", "wavenumbers are given in ascending order", _ascending, _unsorted),
+    Repair("sorted-wavenumbers", "wavenumbers are given in ascending order", _ascending, _unsorted),
     Repair("one-by-one", "each wavenumber is asked for by itself", alone=True),
     Repair("frequency-hertz", "dt is divided by 2 pi: frequencies are in Hz", partial(_stepped, t=1 / _TAU)),
     Repair("frequency-times-two-pi", "dt is multiplied by 2 pi", partial(_stepped, t=_TAU)),
     Repair("lengths-cycles", "dx and dy are divided by 2 pi: wavenumbers are in cycles",
            partial(_stepped, x=1 / _TAU, y=1 / _TAU)),
     Repair("frame-rate", "1 / dt is given for dt", lambda q: _stepped(q, t=q.steps[2] ** -2)),
-    Repair("steps-exchanged", "dx and dy are exchanged", lambda q: _stepped(q, q.steps[1] / q.steps[0],
+    Repair("exchanged-spacing", "dx and dy are exchanged", lambda q: _stepped(q, q.steps[1] / q.steps[0],
                                                                               q.steps[0] / q.steps[1])),
-    Repair("unit-dt", "times are in frames, so that dt is 1",
+    Repair("unit-time-step", "times are in frames, so that dt is 1",
            **_in_units(lambda q: 1.0, lambda q: 1 / q.steps[2])),
     Repair("unit-dx", "lengths are in pixels, so that dx is 1",
            **_in_units(lambda q: 1 / q.steps[0], lambda q: 1.0)),
@@ -269,12 +279,14 @@ _INPUT = (
     Repair("mean-removed", "the mean is taken from the cube", lambda q: replace(q, eta=q.eta - q.eta.mean())),
     Repair("normalised", "the cube is divided by its standard deviation",
            lambda q: replace(q, eta=q.eta / (float(q.eta.std()) or 1.0))),
-    *(Repair(f"tapered-{name}", f"the cube is tapered {said}beforehand", partial(_tapered, axes=axes))
-      for name, said, axes in (("beforehand", "", (0, 1, 2)), ("in-space", "in space ", (0, 1)),
-                               ("in-time", "in time ", (2,)), ("in-x", "along x ", (0,)), ("in-y", "along y ", (1,)))),
-    *(Repair(f"{name}-{parity}", f"the number of {said} is {parity} (interpolated)",
+    *(Repair(name, f"the cube is tapered {said}beforehand", partial(_tapered, axes=axes))
+      for name, said, axes in (("no-taper", "", (0, 1, 2)), ("taper-in-time-only", "in space ", (0, 1)),
+                               ("taper-in-space-only", "in time ", (2,)), ("taper-not-along-x", "along x ", (0,)),
+                               ("taper-not-along-y", "along y ", (1,)))),
+    *(Repair(f"{name}-{parity}", f"the number of {said} is {parity}, to which it is interpolated",
              partial(_resampled, axes=axes, odd=odd))
-      for name, said, axes in (("frames", "frames", (2,)), ("sides", "samples along x and y", (0, 1)))
+      for name, said, axes in (("frames", "frames", (2,)), ("sides", "samples along x and y", (0, 1)),
+                               ("samples", "samples along each axis", (0, 1, 2)))
       for odd, parity in enumerate(("even", "odd"))),
     Repair("square-pixels", "pixels are square", square=True),
     *(Repair(f"waves:{name}", f"the waves are {said} by Froude's law", **_froude(scale))
@@ -287,12 +299,12 @@ _BY_ID = {repair.id: repair for repair in INPUTS}
 PAIRS = tuple(
     joined(_BY_ID[first], _BY_ID[second])
     for first, second in (
-        ("dt-interval", "frequency-hertz"), ("lengths-interval", "lengths-cycles"), ("dt-interval", "square-pixels"),
-        ("lengths-interval", "square-pixels"), ("dt-interval", "n-exchanged"), ("dt-interval", "steps-exchanged"),
+        ("dt-interval", "frequency-hertz"), ("sides-interval", "lengths-cycles"), ("dt-interval", "square-pixels"),
+        ("sides-interval", "square-pixels"), ("dt-interval", "n-exchanged"), ("dt-interval", "exchanged-spacing"),
         ("wavenumbers-cycles", "lengths-cycles"), ("frequency-hertz", "wavenumbers-cycles"),
-        ("dt-interval", "tapered-beforehand"), ("lengths-interval", "tapered-beforehand"),
-        ("unit-dt", "unit-dx"), ("dt-interval", "cube-exchanged"), ("frames-dt:2", "dt-interval"),
-        ("dt-interval", "wavenumbers-halved"), ("lengths-interval", "wavenumbers-halved"),
+        ("dt-interval", "no-taper"), ("sides-interval", "no-taper"),
+        ("unit-time-step", "unit-dx"), ("dt-interval", "cube-exchanged"), ("frames-dt:2", "dt-interval"),
+        ("dt-interval", "wavenumbers-halved"), ("sides-interval", "wavenumbers-halved"),
     )
 )  # fmt: skip
 """Two at once, of what was handed over."""

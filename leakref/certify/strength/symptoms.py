@@ -7,13 +7,15 @@ always the same, energies in a constant ratio, and answers that are right at one
 
 from __future__ import annotations
 
+import re
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from leakref._base import FloatArray
-from leakref.certify.strength.clues import Clue, Hypothesis, gather
+from leakref.certify.strength.clues import TRUE, Clue, Hypothesis, digits, gather, velocities
 from leakref.certify.subject.declaration import Declaration
 from leakref.certify.subject.frames import Subject, Velocities
 from leakref.certify.subject.inprocess import InProcess
@@ -38,7 +40,14 @@ _MANY = 8  # questions that are looked at again
 def symptoms(findings: Sequence[Finding], declared: Mapping[str, Any]) -> list[Hypothesis]:
     """What can be said of failures by looking at them, each once."""
     failed = [f for f in findings if f.verdict in WRONG]
-    found = [*_behaviours(failed), *_energy(failed), *_repeated(failed, declared), *_scales(findings)]
+    found = [
+        *_unanswered(failed),
+        *_behaviours(failed),
+        *_energy(failed),
+        *_signs_lost(failed),
+        *_repeated(failed, declared),
+        *_scales(findings),
+    ]
     return list({(one.fault, one.words): one for one in found}.values())
 
 
@@ -64,6 +73,28 @@ def _behaviours(failed: Sequence[Finding]) -> Iterator[Hypothesis]:
             yield _said(check, "its velocity at a wavenumber depends on which others are asked for, or in which order")
         elif check == "behaviour.past-nyquist":
             yield _said(check, "it gives NaN for a velocity past the Nyquist wavenumber")
+
+
+def _unanswered(failed: Sequence[Finding]) -> Iterator[Hypothesis]:
+    """The same fault instead of an answer, again and again."""
+    told = [re.sub(r"[-+]?[0-9][0-9.e+-]*", "#", f.message) for f in failed if f.over is None]
+    for words, count in Counter(told).most_common(1):
+        if count >= max(_AT_LEAST, _OFTEN * len(failed)):
+            message = next(f.message for f in failed if re.sub(r"[-+]?[0-9][0-9.e+-]*", "#", f.message) == words)
+            yield _said("no-answer", f"{count} of {len(failed)} failed questions have no answer: {message}")
+
+
+def _signs_lost(failed: Sequence[Finding]) -> Iterator[Hypothesis]:
+    """Components that are right but for their signs, or always zero."""
+    pairs = [velocities(f.figures) for f in failed if f.family in TRUE]
+    mine, true = (np.concatenate([np.empty((0, 2)), *(pair[n] for pair in pairs)]) for n in (0, 1))
+    if len(mine) < _AT_LEAST or not (np.abs(true).max(axis=0) > _AWAY).all():
+        return
+    if (mine >= 0).all() and np.median(digits(mine, np.abs(true))) >= 1.5:
+        yield _said("absolute-value", f"no component of {len(mine)} velocities is negative: they have lost their signs")
+    for axis, name in enumerate("xy"):
+        if not mine[:, axis].any():
+            yield _said(f"lost-{name}", f"the {name} component of all {len(mine)} velocities that fell short is zero")
 
 
 def _energy(failed: Sequence[Finding]) -> Iterator[Hypothesis]:
