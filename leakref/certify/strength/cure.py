@@ -59,11 +59,6 @@ class Cure:
     digits: float | None
 
     @property
-    def words(self) -> str:
-        """What the repair is."""
-        return self.repair.words
-
-    @property
     def counted(self) -> str:
         """On what it rests."""
         most = "" if self.cured == self.asked else "most of what failed: "
@@ -136,6 +131,7 @@ class Search:
         cheap = sorted(passed, key=lambda clue: clue.check.id not in EXACT_FOR_ALL)
         self.passed = _alternating(cheap)[:_AT_MOST]
         self._found: dict[tuple[str, str, str], Finding] = {}
+        self._turn = np.diag([1.0, -1.0 if subject.declaration.y == "down" else 1.0])  # to the frame of the checks
 
     def best(self) -> list[Cure]:
         """The smallest repairs that hold, with what more can be asked of them."""
@@ -187,7 +183,9 @@ class Search:
         """Those that can matter to a code of this declaration; of gravity if it is seen to ignore it."""
         own = self.memory.inner.declaration
         ignores = self._ignores_gravity()
-        for one in (*INPUTS, *(GRAVITIES if ignores else ())):
+        exact = self.failed[0].check.id in EXACT_FOR_ALL  # else what is wrong shows where a cube is tapered
+        some = sorted((*INPUTS, *(GRAVITIES if ignores else ())), key=lambda one: exact or "taper" not in one.id)
+        for one in some:
             of_wavenumbers = one.id.startswith(("wavenumbers", "sorted", "one-by-one"))
             if not (of_wavenumbers and ("wavenumbers" in own.fixed or own.band)) and not (
                 one.square and "dy" in own.fixed
@@ -260,11 +258,6 @@ class Search:
         one.unharmed += verdict is Verdict.PASS
         return verdict in (Verdict.PASS, Verdict.UNSUPPORTED)
 
-    @property
-    def _turn(self) -> FloatArray:
-        """From the frame of the code to that of the checks."""
-        return np.diag([1.0, -1.0 if self.memory.inner.declaration.y == "down" else 1.0])
-
     # ------------------------------------------------------------ what is found from the answers
 
     def _fits(self, handed: Repair, clues: Sequence[Clue]) -> Iterator[Repair]:
@@ -281,19 +274,19 @@ class Search:
         each = (found * should).sum(axis=0) / np.where(squares > 0, squares, 1.0)
         known = _common(found * common, should)
         if known >= HOLDS:
-            if abs(abs(common) - 1) > 10**-known:
+            if abs(abs(common) - 1) > 3 * 10**-known:
                 yield factor(common, common, known)
             return
         known = _common(found * each, should)
         if known >= HOLDS and np.abs(each).min() > 1e-3:
-            if np.abs(np.abs(each) - 1).max() <= 10**-known:
+            if np.abs(np.abs(each) - 1).max() <= 3 * 10**-known:
                 return
             yield factor(float(each[0]), float(each[1]), known)
             return
         z = np.sum((should @ [1, 1j]) * (found @ [1, -1j])) / size
         by = np.array([[z.real, -z.imag], [z.imag, z.real]])
         known = _common(found @ by.T, should)
-        if handed is NONE and known >= HOLDS and np.abs(z**4 / abs(z) ** 4 - 1) > 10**-known:
+        if handed is NONE and known >= HOLDS and np.abs(z**4 / abs(z) ** 4 - 1) > 3 * 10**-known:
             yield turned(z, known)
 
     def _ignores_gravity(self) -> bool:
@@ -310,16 +303,22 @@ class Search:
         if clue is None:
             return None
 
-        def off(log: float) -> float:
+        def off(log: float) -> FloatArray:
             found, should = velocities(self._finding(clue, gravity(float(np.exp(log)), 12), NONE).figures)
-            return float(np.hypot(*(found - should).T).mean()) if len(found) else np.inf
+            return found - should if len(found) else np.full((1, 2), np.inf)
 
-        low, high = np.log(_GRAVITY[0]), np.log(_GRAVITY[1])
-        for points in (25, 9, 9, 9, 9):
+        low, high = np.log(_GRAVITY)
+        for points in (25, 9, 9):
             grid = np.linspace(low, high, points)
-            n = int(np.argmin([off(g) for g in grid]))
+            n = int(np.argmin([np.hypot(*off(g).T).mean() for g in grid]))
             low, high = grid[max(n - 1, 0)], grid[min(n + 1, points - 1)]
-        value = float(np.exp(grid[n]))
+        for _ in range(2):  # the velocity is nearly linear in it
+            one, two = off(low), off(high)
+            if one.shape != two.shape or not np.isfinite([one, two]).all() or not (slope := two - one).any():
+                return None
+            best = low - (high - low) * float((one * slope).sum() / (slope**2).sum())
+            low, high = best - (high - low) / 20, best + (high - low) / 20
+        value = float(np.exp(best))
         if any(abs(value / known - 1) < 2e-4 for known in (1.0, 9.81, 9.8, 9.80665, 10.0, 32.2, 981.0)):
             return None
         return gravity(value)

@@ -39,6 +39,7 @@ _SAID = 5  # explanations that are the same here, named before the rest is count
 _STAGES = ("window", "synthesize", "spectrum", "extract")
 _TWICE = "behaviour.deterministic"
 _SESSIONS = 2.0  # judging takes as many at once, the search for a cure one
+_LEAST = 2e7
 _LOOK = {
     "signs": "D2, D11", "recovery": "D3, D9", "metamorphic": "D1, D5", "leakage": "D1, D16", "currents": "D2, D6",
     "shear": "D9", "scale": "D4", "synthesis": "D15", "conformance": "D1",
@@ -130,21 +131,24 @@ def _cured(
             )
     except (LeakrefError, OSError) as broken:
         return [], f"no repair was looked for, since no second session could be held: {broken}"
-    return [(Hypothesis(one.repair.id, one.words, one.digits, "repair"), one) for one in found], remark
+    return [(Hypothesis(one.repair.id, one.repair.words, one.digits, "repair"), one) for one in found], remark
 
 
 def _allowance(certificate: Certificate) -> float:
-    """Samples that one session handled in the judging; where nobody counted, as many for each as what failed took."""
+    """Samples that one session handled in the judging; where nobody counted, as many for each as what failed took. Of a
+    few questions it is a fifth of what a quick run takes.
+    """
     failed = [clue.cost for clue in gather(certificate.wrong, certificate.seed, certificate.set_number)]
-    return (certificate.handled or sum(failed) / max(1, len(failed)) * len(certificate.judged)) / _SESSIONS
+    handled = certificate.handled or sum(failed) / max(1, len(failed)) * len(certificate.judged)
+    return max(handled / _SESSIONS, _LEAST)
 
 
 def _repair_in_words(repairs: Sequence[tuple[Hypothesis, cure.Cure]]) -> str:
     first = repairs[0][1]
-    others = [one.words for _, one in repairs[1:]]
+    others = [one.repair.words for _, one in repairs[1:]]
     to = "" if first.digits is None else f", to {first.digits:.0f} digits"
     same = f" (or if {_listed(others, ', or if ')}: the same here)" if others else ""
-    return f"comes right if {first.words}{same}{to}: {first.counted}"
+    return f"comes right if {first.repair.words}{same}{to}: {first.counted}"
 
 
 def _listed(said: Sequence[str], between: str = ", ") -> str:
@@ -257,4 +261,4 @@ def _sentence(alike: Sequence[Hypothesis]) -> str:
     first = alike[0]
     to = "in what it does wrong" if first.digits is None else f"to {first.digits:.0f} digits"
     same = f" (or {_listed([one.fault for one in alike[1:]])}: the same here)" if len(alike) > 1 else ""
-    return f"equals the reference with this fault, {to}: {first.words}{same}"
+    return f"equals the reference with this fault, {to}: {first.repair.words}{same}"

@@ -1,8 +1,8 @@
 """Repairs: what may stand around a code so that its answers come right, by name.
 
-Each is the inverse of a mistake that people make, and called by the mistake where that has a name. `OUTPUTS` change what the code answered, which costs no call,
-`INPUTS` what it is handed: parameters first, then the cube and its steps. `cure` looks for the smallest under which
-what failed comes right.
+Each is the inverse of a mistake that people make, and called by the mistake where that has a name. `OUTPUTS` change
+what the code answered, which costs no call, `INPUTS` what it is handed: parameters first, then the cube and its steps.
+`cure` looks for the smallest under which what failed comes right.
 """
 
 from __future__ import annotations
@@ -200,18 +200,28 @@ def _tapered(q: Question, axes: tuple[int, ...]) -> Question:
     return replace(q, eta=eta, window="box")
 
 
-def _resampled(q: Question, axes: tuple[int, ...], odd: int) -> Question:
-    """The same lengths with one sample more along an axis where their number is odd (or even)."""
+def _resampled(q: Question, sizes: tuple[int, ...]) -> Question:
+    """The same lengths with more samples along some axes, interpolated by Fourier's series."""
     eta, steps = q.eta, list(q.steps)
-    for axis in axes:
-        n = eta.shape[axis]
-        if n % 2 != odd:
+    for axis, (n, more) in enumerate(zip(eta.shape, sizes, strict=True)):
+        if n != more:
             spectrum = scipy.fft.rfft(eta, axis=axis)
             if n % 2 == 0:  # the Nyquist bin, which is two in the longer one
                 spectrum[tuple(-1 if m == axis else slice(None) for m in range(3))] /= 2
-            eta = scipy.fft.irfft(spectrum, n + 1, axis=axis) * ((n + 1) / n)
-            steps[axis] *= n / (n + 1)
+            eta = scipy.fft.irfft(spectrum, more, axis=axis) * (more / n)
+            steps[axis] *= n / more
     return replace(q, eta=eta, steps=(steps[0], steps[1], steps[2]), sizes=eta.shape)
+
+
+def _made(q: Question, axes: tuple[int, ...], odd: int) -> Question:
+    """With an odd (or even) number of samples along some axes."""
+    return _resampled(q, tuple(n + (axis in axes and n % 2 != odd) for axis, n in enumerate(q.eta.shape)))
+
+
+def _skipped(q: Question, every: int) -> Question:
+    """With a whole number of times `every` frames, and as many times dt."""
+    nx, ny, nt = q.eta.shape
+    return _stepped(_resampled(q, (nx, ny, -(-nt // every) * every)), t=every)
 
 
 def _ascending(q: Question) -> Question:
@@ -237,11 +247,11 @@ def _froude(scale: float) -> dict[str, Any]:
 
 _TAU = 2 * np.pi
 _PARAMETERS = (
-    Repair("wavenumbers-cycles", "wavenumbers are given in cycles per length: divided by 2 pi",
+    Repair("wavenumbers-cycles", "wavenumbers are multiplied by 2 pi: it divides them", partial(_times, by=_TAU)),
+    Repair("wavenumbers-times-two-pi", "wavenumbers are divided by 2 pi: it takes cycles per length",
            partial(_times, by=1 / _TAU)),
-    Repair("wavenumbers-times-two-pi", "wavenumbers are multiplied by 2 pi", partial(_times, by=_TAU)),
-    Repair("wavenumbers-halved", "wavenumbers are halved", partial(_times, by=0.5)),
-    Repair("wavenumbers-doubled", "wavenumbers are doubled", partial(_times, by=2.0)),
+    Repair("wavenumbers-halved", "wavenumbers are doubled: it halves them", partial(_times, by=2.0)),
+    Repair("wavenumbers-doubled", "wavenumbers are halved: it doubles them", partial(_times, by=0.5)),
     Repair("wavenumbers-for-wavelengths", "wavelengths are given in place of wavenumbers",
            lambda q: replace(q, wavenumbers=_TAU / q.wavenumbers)),
     Repair("wavenumbers-to-bins", "half a bin is added to wavenumbers: answers are at the bin below",
@@ -250,6 +260,9 @@ _PARAMETERS = (
     Repair("wavenumbers-bin-down", "a bin is taken from wavenumbers", partial(_moved, bins=-1.0)),
     Repair("sorted-wavenumbers", "wavenumbers are given in ascending order", _ascending, _unsorted),
     Repair("one-by-one", "each wavenumber is asked for by itself", alone=True),
+    Repair("gravity-per-two-pi", "gravity is multiplied by 2 pi, as in formulas for cycles",
+           lambda q: replace(q, gravity=q.gravity * _TAU)),
+    Repair("gravity-times-two-pi", "gravity is divided by 2 pi", lambda q: replace(q, gravity=q.gravity / _TAU)),
     Repair("frequency-hertz", "dt is divided by 2 pi: frequencies are in Hz", partial(_stepped, t=1 / _TAU)),
     Repair("frequency-times-two-pi", "dt is multiplied by 2 pi", partial(_stepped, t=_TAU)),
     Repair("lengths-cycles", "dx and dy are divided by 2 pi: wavenumbers are in cycles",
@@ -268,8 +281,8 @@ _INPUT = (
            partial(_sides, x=1, y=1)),
     Repair("ny-for-nx", "dx is multiplied by nx / ny: ny is used for nx", partial(_sides, x=1, y=0)),
     Repair("nx-for-ny", "dy is multiplied by ny / nx: nx is used for ny", partial(_sides, x=0, y=1)),
-    Repair("frames-dt:2", "dt is doubled, as if every second frame were read", partial(_stepped, t=2.0)),
-    Repair("frames-dt:3", "dt is tripled, as if every third frame were read", partial(_stepped, t=3.0)),
+    Repair("frames-dt:2", "dt is doubled, as if every second frame were read", partial(_skipped, every=2)),
+    Repair("frames-dt:3", "dt is tripled, as if every third frame were read", partial(_skipped, every=3)),
     Repair("frames-dt:1/2", "dt is halved", partial(_stepped, t=0.5)),
     Repair("x-reversed", "the cube is reversed along x", partial(_flipped, axis=0)),
     Repair("y-reversed", "the cube is reversed along y", partial(_flipped, axis=1)),
@@ -283,11 +296,11 @@ _INPUT = (
       for name, said, axes in (("no-taper", "", (0, 1, 2)), ("taper-in-time-only", "in space ", (0, 1)),
                                ("taper-in-space-only", "in time ", (2,)), ("taper-not-along-x", "along x ", (0,)),
                                ("taper-not-along-y", "along y ", (1,)))),
-    *(Repair(f"{name}-{parity}", f"the number of {said} is {parity}, to which it is interpolated",
-             partial(_resampled, axes=axes, odd=odd))
+    *(Repair(f"{name}-{parity}", f"the number n of {said} is {parity}, by interpolation: it goes wrong for {other} n",
+             partial(_made, axes=axes, odd=odd))
       for name, said, axes in (("frames", "frames", (2,)), ("sides", "samples along x and y", (0, 1)),
                                ("samples", "samples along each axis", (0, 1, 2)))
-      for odd, parity in enumerate(("even", "odd"))),
+      for odd, (parity, other) in enumerate((("even", "odd"), ("odd", "even")))),
     Repair("square-pixels", "pixels are square", square=True),
     *(Repair(f"waves:{name}", f"the waves are {said} by Froude's law", **_froude(scale))
       for name, said, scale in (("1/16", "16 times shorter", 16.0), ("1/4", "4 times shorter", 4.0),
