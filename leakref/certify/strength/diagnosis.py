@@ -261,4 +261,4 @@ def _sentence(alike: Sequence[Hypothesis]) -> str:
     first = alike[0]
     to = "in what it does wrong" if first.digits is None else f"to {first.digits:.0f} digits"
     same = f" (or {_listed([one.fault for one in alike[1:]])}: the same here)" if len(alike) > 1 else ""
-    return f"equals the reference with this fault, {to}: {first.repair.words}{same}"
+    return f"equals the reference with this fault, {to}: {first.words}{same}"
