@@ -29,11 +29,12 @@ FAMILIES = ("signs", "recovery", "metamorphic", "currents", "shear", "scale", "l
 """Of the questions that a repair must answer rightly."""
 HOLDS = 1.5
 """Digits to which a factor must be common to all velocities, and to which answers known exactly must come right."""
-_REMAIN = 8  # one in so many questions may go on failing, and is told
+_REMAIN = 4  # one in so many questions may go on failing, and is told
 _UNHARMED, _AT_MOST = 5, 12  # questions that passed and must pass, and those that are asked as far as it goes
 _FIRST = 2  # questions that every repair is tried on, and from which a factor is found
 _FEW = 12  # questions among which these are looked for
 _ASKED = 8  # questions that must come right; the others are asked as far as the allowance goes
+_EVIDENCE = 3  # questions that must have come right, unless the answer is known exactly
 _SURE = 4.0  # digits from which nothing else need be tried
 _SAME_AS_OUTPUTS = ("x-reversed", "y-reversed", "time-reversed", "cube-exchanged")
 _ALIKE = 0.5  # digits within which repairs are as good as the best
@@ -143,31 +144,21 @@ class Search:
         except Spent:
             if not held:
                 raise
-        return [one.made(len(self.failed)) for one in held if self._goes_on(one)]
+        return [one.made(len(self.failed)) for one in held if self._stands(one)]
 
     def _searched(self) -> Iterator[list[_Candidate]]:
-        """What holds, again as more is found: single repairs, those of the answer first; then two at once, or with some
-        questions left over.
-        """
-        inputs: list[Repair] = []
-        for remain in (0, len(self.failed) // _REMAIN):
-            alone = self._ranked(self._tried([(NONE, OUTPUTS)], remain, fits=True))
-            yield alone
-            if alone and alone[0].right and _digits(alone[0]) >= _SURE:
-                yield self._ranked(
-                    alone + self._tried(((one, ()) for one in INPUTS if one.id in _SAME_AS_OUTPUTS), remain)
-                )
-                return
-            inputs = inputs or list(self._inputs())
-            singles = self._ranked(alone + self._tried(((one, ()) for one in inputs), remain))
-            yield singles
-            if singles:
-                return
-            doubles = self._tried(((one, IMAGES) for one in inputs), remain, fits=True)
-            doubles = self._ranked(doubles + self._tried(((one, ()) for one in PAIRS), remain))
-            yield doubles
-            if doubles or not len(self.failed) // _REMAIN:
-                return
+        """What holds, again as more is found: single repairs, those of the answer first; then two at once."""
+        alone = self._ranked(self._tried([(NONE, OUTPUTS)], fits=True))
+        yield alone
+        if alone and alone[0].right and _digits(alone[0]) >= _SURE:
+            yield self._ranked(alone + self._tried((one, ()) for one in INPUTS if one.id in _SAME_AS_OUTPUTS))
+            return
+        inputs = list(self._inputs())
+        singles = self._ranked(alone + self._tried((one, ()) for one in inputs))
+        yield singles
+        if not singles:
+            doubles = self._tried(((one, IMAGES) for one in inputs), fits=True)
+            yield self._ranked(doubles or self._tried((one, ()) for one in PAIRS))
 
     def _forget_what_passes(self) -> None:
         """A question that passes when it is asked again says nothing: something else than it decides on the answer."""
@@ -203,28 +194,27 @@ class Search:
             self._found[key] = clue.check(Repaired(self.memory, handed, answered), clue.case)
         return self._found[key]
 
-    def _tried(
-        self, tries: Iterable[tuple[Repair, Sequence[Repair]]], remain: int = 0, fits: bool = False
-    ) -> list[_Candidate]:
-        """What answers all failed questions but for `remain`; with `fits` factors are looked for as well."""
-        found = []
-        for handed, some in tries:
-            first = [_Candidate(handed, answered) for answered in (NONE, *some)]
-            for clue in self.failed[:_FIRST]:
-                for one in first if fits or some else [one for one in first if one.missed <= remain]:
-                    self._count(one, clue)
-            for fitted in (
-                self._fits(handed, self.failed[: _FIRST if handed is not NONE else 2 * _FIRST]) if fits else ()
-            ):
-                first.append(_Candidate(handed, fitted))
+    def _tried(self, tries: Iterable[tuple[Repair, Sequence[Repair]]], fits: bool = False) -> list[_Candidate]:
+        """What answers the failed questions and harms none that passed, one repair of what is handed over after the
+        other; with `fits` factors are looked for as well. What was found when the allowance ends is not lost.
+        """
+        found: list[_Candidate] = []
+        try:
+            for handed, some in tries:
+                first = [_Candidate(handed, answered) for answered in (NONE, *some)]
                 for clue in self.failed[:_FIRST]:
-                    self._count(first[-1], clue)
-            found += [one for one in first if one.missed <= remain]
-        for clue in self.failed[_FIRST:_ASKED]:
-            for one in found:
-                self._count(one, clue)
-            found = [one for one in found if one.missed <= remain]
-        return [one for one in found if self._holds(one)]
+                    for one in first if fits or some else [one for one in first if not one.missed]:
+                        self._count(one, clue)
+                for fitted in self._fits(handed) if fits else ():
+                    first.append(_Candidate(handed, fitted))
+                    for clue in self.failed[:_FIRST]:
+                        self._count(first[-1], clue)
+                found += [one for one in first if not one.missed and self._goes_on(one, _FIRST, _ASKED)
+                          and self._holds(one) and self._harmless(one)]  # fmt: skip
+        except Spent:
+            if not found:
+                raise
+        return found
 
     def _count(self, one: _Candidate, clue: Clue) -> None:
         """How a candidate does on a question; what is not judged with it counts neither way."""
@@ -245,8 +235,9 @@ class Search:
 
     def _holds(self, one: _Candidate) -> bool:
         """Right as a right code is, and not just within what is allowed."""
-        enough = one.cured >= (1 if one.repair.parts == 1 else 3)
-        return enough and (_digits(one) >= HOLDS if one.right else float(np.median(one.near)) <= 0.5)
+        if one.right and (one.cured >= _EVIDENCE or one.repair.parts == 1):
+            return _digits(one) >= (HOLDS if one.cured >= _EVIDENCE else _SURE)
+        return one.cured >= _EVIDENCE and float(np.median(one.near)) <= 0.5
 
     def _harmless(self, one: _Candidate) -> bool:
         """Whether all that passed, as far as it is asked again, passes with it."""
@@ -260,10 +251,11 @@ class Search:
 
     # ------------------------------------------------------------ what is found from the answers
 
-    def _fits(self, handed: Repair, clues: Sequence[Clue]) -> Iterator[Repair]:
+    def _fits(self, handed: Repair) -> Iterator[Repair]:
         """A factor, one for each component or, if the code is handed what it was, an angle, that the answers have in
         common to `HOLDS` digits; in the frame of the code."""
-        pairs = [velocities(self._finding(clue, handed, NONE).figures) for clue in clues if clue.check.family in TRUE]
+        clues = [clue for clue in self.failed[: (1 + (handed is NONE)) * _FIRST] if clue.check.family in TRUE]
+        pairs = [velocities(self._finding(clue, handed, NONE).figures) for clue in clues]
         found = np.concatenate([np.empty((0, 2)), *(p[0] for p in pairs)]) @ self._turn
         should = np.concatenate([np.empty((0, 2)), *(p[1] for p in pairs)]) @ self._turn
         if not _spans(should):
@@ -325,27 +317,28 @@ class Search:
 
     # ------------------------------------------------------------ which is best
 
-    def _ranked(self, found: list[_Candidate]) -> list[_Candidate]:
-        """Those that harm nothing: the smallest, then those that come right to as many digits as the best."""
-        best: list[_Candidate] = []
-        for one in sorted(found, key=lambda one: (one.repair.parts, -one.cured, -_digits(one))):
-            if best and (one.repair.parts, one.cured) != (best[0].repair.parts, best[0].cured):
-                break
-            if best and _digits(one) < _digits(best[0]) - _ALIKE:
-                break
-            if self._harmless(one):
-                best.append(one)
-        return sorted(best, key=found.index)
+    def _goes_on(self, one: _Candidate, start: int, end: int | None = None) -> bool:
+        """Whether other failed questions come right as well, but for one in `_REMAIN`."""
+        for clue in self.failed[start:end]:
+            self._count(one, clue)
+            if one.missed * _REMAIN > len(self.failed[:end]):
+                return False
+        return one.missed * _REMAIN <= one.cured + one.missed
 
-    def _goes_on(self, one: _Candidate) -> bool:
-        """Whether the other failed questions come right as well, as far as they can be asked."""
+    def _stands(self, one: _Candidate) -> bool:
+        """Whether it still holds with all that can be asked."""
         try:
-            for clue in self.failed[_ASKED:]:
-                self._count(one, clue)
-            harmless = all(self._unharmed(one, clue) for clue in self.passed[_UNHARMED:])
+            return self._goes_on(one, _ASKED) and all(self._unharmed(one, clue) for clue in self.passed[_UNHARMED:])
         except Spent:
-            harmless = True  # as far as is known
-        return harmless and one.missed <= len(self.failed) // _REMAIN
+            return one.missed * _REMAIN <= one.cured + one.missed
+
+    def _ranked(self, found: list[_Candidate]) -> list[_Candidate]:
+        """The smallest, of these those that cure most, of these those that come right to as many digits as the best."""
+        if not found:
+            return []
+        best = min(found, key=lambda one: (one.repair.parts, -one.cured, -_digits(one)))
+        alike = [one for one in found if (one.repair.parts, one.cured) == (best.repair.parts, best.cured)]
+        return [one for one in alike if _digits(one) >= _digits(best) - _ALIKE]
 
 
 def _telling_first(clues: Iterable[Clue]) -> list[Clue]:

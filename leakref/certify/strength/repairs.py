@@ -302,7 +302,8 @@ _INPUT = (
                                ("samples", "samples along each axis", (0, 1, 2)))
       for odd, (parity, other) in enumerate((("even", "odd"), ("odd", "even")))),
     Repair("square-pixels", "pixels are square", square=True),
-    *(Repair(f"waves:{name}", f"the waves are {said} by Froude's law", **_froude(scale))
+    *(Repair(f"waves:{name}", f"the waves are {said} by Froude's law: a width, range or depth in it is fixed",
+             **_froude(scale))
       for name, said, scale in (("1/16", "16 times shorter", 16.0), ("1/4", "4 times shorter", 4.0),
                                 ("4", "4 times longer", 0.25), ("16", "16 times longer", 1 / 16))),
 )  # fmt: skip

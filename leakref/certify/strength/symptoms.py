@@ -59,7 +59,7 @@ def _behaviours(failed: Sequence[Finding]) -> Iterator[Hypothesis]:
     """Those that are no number: what it did is what is wrong."""
     for f in failed:
         check, case = f.id.partition("[")[0], f.id.partition("[")[2].rstrip("]")
-        if f.verdict is not Verdict.FAIL:
+        if f.verdict is not Verdict.FAIL or f.over is None:  # else it gave no answer, which says nothing of this
             continue
         if check == "behaviour.refuses":
             what = "infinity" if case == "infinity" else "NaN"
