@@ -14,7 +14,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-__all__ = ["njit", "prepare"]
+__all__ = ["folder", "njit", "prepare"]
 
 
 def prepare() -> None:
@@ -38,6 +38,12 @@ def prepare() -> None:
     for name in lacking:
         os.environ[name] = os.path.join(private, name.partition("_")[0].lower())
         os.mkdir(os.environ[name])
+
+
+def folder() -> Path | None:
+    """Where leakref may keep what can be worked out again: `leakref` below the user's caches; None if nowhere."""
+    place = _at_home("XDG_CACHE_HOME", ".cache") / "leakref"
+    return place if place.is_absolute() and _usable(place) else None
 
 
 def njit(**options: Any) -> Callable[[Any], Any]:
@@ -78,9 +84,12 @@ def _of_matplotlib() -> bool:
 
 
 def _usable_at_home(variable: str, folder: str) -> bool:
-    home = os.path.expanduser("~")
-    place = os.environ.get(variable) or os.path.join(home, folder)
-    return os.path.isabs(place) and _usable(Path(place))
+    place = _at_home(variable, folder)
+    return place.is_absolute() and _usable(place)
+
+
+def _at_home(variable: str, folder: str) -> Path:
+    return Path(os.environ.get(variable) or os.path.join(os.path.expanduser("~"), folder))
 
 
 def _usable(folder: Path) -> bool:

@@ -26,10 +26,10 @@ import sys
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from hashlib import sha256
 from pathlib import Path
-from types import ModuleType
+from types import CodeType, ModuleType
 from typing import Any
 
 from leakref import sources
@@ -73,13 +73,20 @@ class _Altered(importlib.abc.MetaPathFinder, importlib.abc.Loader):
     def exec_module(self, module: ModuleType) -> None:
         part = self._own(module.__name__)
         source = _changed(part, [change for change in self.changes if change.module == part])
-        own = re.sub(
-            rf"^(\s*from )leakref(?!\.(?:{'|'.join(_SHARED)})\b)([. ])", rf"\1{self.name}\2", source, flags=re.MULTILINE
-        )
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", SyntaxWarning)  # a fault may be planted as `x is 3`: that is its affair
-            code = compile(own, f"<{self.name}.{part}>", "exec")
-        exec(code, module.__dict__)
+        exec(_code(part, source), module.__dict__)
+
+
+@lru_cache(maxsize=1024)
+def _code(part: str, source: str) -> CodeType:
+    """Compiled with imports that are relative, so that what is not changed is the same in all alterations."""
+    package = part if _file(part).stem == "__init__" else part.rpartition(".")[0]
+    root = "." * (1 if package in ("", "__init__") else 2 + package.count("."))
+    own = re.sub(
+        rf"^(\s*from )leakref(?!\.(?:{'|'.join(_SHARED)})\b)(?:\.|(?= ))", rf"\1{root}", source, flags=re.MULTILINE
+    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", SyntaxWarning)  # a fault may be planted as `x is 3`: that is its affair
+        return compile(own, f"<altered {part}>", "exec")
 
 
 def _file(part: str) -> Path:

@@ -124,8 +124,8 @@ def _certify(out: Path) -> tuple[list[dict[str, Any]], Path]:
                 only=_CHECKS,
                 after_each=lambda finding: step(),
             )
-    with progress_bar("faults compared with what fell short", None) as step:
-        caught = explain(found[f"fault:{_FAULT}"], after_each=step)
+    with progress_bar("faults and repairs tried on what fell short", None) as step:
+        caught = explain(found[f"fault:{_FAULT}"], subject, after_each=step)
     page = write_whole(out / "certificate.html", partial(_write_text, render(caught)))
     named = bool(caught.diagnosis) and caught.diagnosis[0]["fault"] == _FAULT
     right = found["reference"]

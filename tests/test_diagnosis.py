@@ -8,12 +8,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from leakref.altered import altered
+from leakref.altered import Change, altered
 from leakref.certify.certificate import Certificate
 from leakref.certify.runner import run_checks, select
-from leakref.certify.strength import faults, study
+from leakref.certify.strength import faults, replays, study
 from leakref.certify.strength.diagnosis import ENOUGH, departure, diagnose, explain
 from leakref.certify.strength.faults import FAULTS, implementation
+from leakref.certify.strength.symptoms import other_maxima, symptoms
 from leakref.certify.subject.inprocess import InProcess
 from leakref.chain import reference
 
@@ -72,6 +73,10 @@ class Telling:
 
     def describe(self):
         return {"can": {"extract": {"methods": ["nsp"]}}}
+
+
+def telling(change):
+    return Telling(lambda *asked, method="nsp", **named: answering(change)(*asked, **named))
 
 
 @pytest.mark.parametrize("fault", ["exchanged-axes", "negated-current", "solve-sign-slip", "symmetric-taper"])
@@ -169,7 +174,7 @@ def test_of_square_pixels_the_hypotheses_are_given_the_same(few):
 )
 def test_of_another_algorithm_what_is_common_is_named(matrix, fault, words, few):
     noise = np.random.default_rng(0)
-    other = answering(lambda found, k: (found + 0.02 * noise.standard_normal(found.shape)) @ np.array(matrix).T)
+    other = answering(lambda found, k: (found + 0.004 * noise.standard_normal(found.shape)) @ np.array(matrix).T)
     failed, declared, _ = wrong(other, "signs.aligned", "recovery.pair")
     (best,) = diagnose(failed, declared).hypotheses
     assert best.fault == fault
@@ -280,3 +285,141 @@ def test_the_right_fault_comes_first(noisy, share, certificates):
             missed[name] = said.words
     print(json.dumps({"classes": classes, "missed": missed}, indent=1))
     assert 1 - len(missed) / len(FAULTS) >= share, missed
+
+
+# ---------------------------------------------------------------- what stands in the findings
+
+
+ENOUGH_TO_SEE = ("signs.aligned", "recovery.pair", "recovery.two-shells", "currents.aligned")
+
+
+def symptoms_of(code, *checks):
+    subject = InProcess(code)
+    return symptoms(run_checks(select(checks, profile="quick"), subject), subject.declaration.record())
+
+
+def test_a_behaviour_that_failed_explains_itself():
+    """A code that returns where it started is not said to replace NaN by zero."""
+    stays = answering(lambda found, k: found)
+
+    def gaps(surface, spacing, wavenumbers, *, gravity, window):
+        if not np.isfinite(surface).all():
+            return np.zeros((len(wavenumbers), 2))
+        return stays(surface, spacing, wavenumbers, gravity=gravity, window=window)
+
+    _, _, findings = wrong(gaps, "behaviour.refuses", "signs.aligned")
+    said = explain(certificate_of(gaps, findings))
+    assert [(one["kind"], one["fault"]) for one in said.diagnosis] == [("symptom", "behaviour.refuses")] * 2
+    assert said.explanation.startswith("it answers a cube that holds NaN as if it were whole")
+    assert "unexplained" not in said.explanation
+
+
+def test_answers_at_the_edge_of_a_range_are_told_with_its_value():
+    class Range:
+        def describe(self):
+            return {"units": "si"}
+
+        def extract(self, surface, spacing, wavenumbers, *, gravity, window):
+            found = reference.extract(surface, spacing, wavenumbers, gravity=gravity, window=window, method="nsp")
+            return np.clip(found, -0.7, 0.7)
+
+    (edge,) = symptoms_of(Range(), *ENOUGH_TO_SEE)
+    assert edge.fault == "edge-of-range"
+    assert "a component of 0.7 m/s to the last digit: the edge of what it searches" in edge.words
+
+
+@pytest.mark.parametrize(
+    ("change", "fault"),
+    [
+        (lambda found, k: np.full_like(found, 0.016), "one-answer"),
+        (lambda found, k: np.round(found, 1), "on-a-lattice"),
+        (lambda found, k: np.abs(found), "absolute-value"),
+        (lambda found, k: found * [1, 0], "lost-y"),
+    ],
+)
+def test_what_is_seen_in_the_velocities_is_told(change, fault):
+    assert fault in [one.fault for one in symptoms_of(telling(change), *ENOUGH_TO_SEE)]
+
+
+def test_a_constant_ratio_of_energy_is_told():
+    (said, *_) = symptoms_of(implementation("two-thirds-energy"), "synthesis.energy", "synthesis.mean-energy")
+    assert said.words == "each surface holds 0.6667 (2/3) of the energy asked for"
+
+
+def test_maxima_of_the_score_that_another_search_finds_are_told():
+    code = altered((Change("nsp", "START = 2.5e-4", "START = 1.0"),)).chain.reference
+    failed, declared, _ = wrong(code, "currents.strong", "currents.backwards")
+    (said,) = other_maxima(failed, declared, ("nsp",), seed=1, golden=1)
+    assert said.fault == "other-maximum"
+    right, _, _ = wrong(reference, "recovery.pair")
+    assert other_maxima(right, declared, ("nsp",), seed=1, golden=1) == []
+
+
+def test_of_one_finding_it_is_said_that_it_is_too_little(few):
+    odd = telling(lambda found, k: found + np.array([0.0, 0.1]))
+    _, _, findings = wrong(odd, "recovery.pair[even-1]")
+    said = explain(certificate_of(odd, findings)).explanation
+    assert "1 failed question is too little to go on: run it --profile full" in said
+    assert "`leakref explain recovery.pair`" in said
+
+
+# ---------------------------------------------------------------- kept in files
+
+
+@pytest.fixture
+def store(tmp_path, monkeypatch):
+    """An empty place for replays, and nothing remembered."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "caches"))
+    forget()
+    yield tmp_path / "caches" / "leakref" / "replays"
+    forget()
+
+
+def forget():
+    replays._store.cache_clear()
+    replays._replayed.cache_clear()
+
+
+def test_what_was_replayed_is_read_and_not_run_again(store, few, monkeypatch):
+    failed, declared, _ = wrong(implementation("flipped-y"), "recovery.pair[even-1]", "signs.aligned")
+    first = diagnose(failed, declared)
+    assert len(list(store.glob("*.json"))) == len(failed)
+    forget()
+    monkeypatch.setattr(replays, "implementation", lambda names: pytest.fail("run again"))
+    assert diagnose(failed, declared) == first
+
+
+def test_of_other_sources_nothing_is_taken(store, few, monkeypatch):
+    failed, declared, _ = wrong(implementation("flipped-y"), "recovery.pair[even-1]")
+    first = diagnose(failed, declared)
+    forget()
+    monkeypatch.setattr(replays, "_sources", lambda golden: "others")
+    asked = []
+    monkeypatch.setattr(replays, "implementation", lambda names: asked.append(names) or reference)
+    assert diagnose(failed, declared) != first
+    assert asked
+
+
+def test_a_file_that_is_damaged_is_as_if_it_were_not_there(store, few):
+    failed, declared, _ = wrong(implementation("flipped-y"), "recovery.pair[even-1]")
+    first = diagnose(failed, declared)
+    (kept,) = store.glob("*.json")
+    kept.write_text(kept.read_text()[:-200])
+    forget()
+    assert diagnose(failed, declared) == first
+
+
+def test_no_place_for_files_is_no_error(few, tmp_path, monkeypatch):
+    (tmp_path / "caches").write_text("a file where a folder should be")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "caches"))
+    forget()
+    failed, declared, _ = wrong(implementation("flipped-y"), "recovery.pair[even-1]")
+    assert diagnose(failed, declared).hypotheses[0].fault == "flipped-y"
+    forget()
+
+
+def test_only_so_many_files_are_kept(store, few, monkeypatch):
+    monkeypatch.setattr(replays, "_FILES", 2)
+    failed, declared, _ = wrong(implementation("flipped-y"), "signs.aligned")
+    diagnose(failed, declared)
+    assert len(list(store.glob("*.json"))) <= 2

@@ -165,8 +165,9 @@ def run(request: Request, *, json: bool = False) -> int:
     pictures: list[dict[str, str]] = []
     try:
         if found.wrong and request.diagnosis:
-            with progress_bar("faults compared with what fell short", None) as step:
-                found = explain(found, deep=request.deep, after_each=step)
+            with progress_bar("faults and repairs tried on what fell short", None) as step:
+                again = connect(request.target, command, limits=limits)  # that of the checks has ended
+                found = explain(found, again, deep=request.deep, after_each=step)
         if request.profile == "full" and found.grade is not None and not request.only:
             found, pictures = _biased(found, connect(request.target, command, limits=limits))
     except KeyboardInterrupt:  # what has been found is not lost

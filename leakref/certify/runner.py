@@ -119,6 +119,7 @@ def certify(
             methods=subject.methods if subject.offers("extract") else (),
             scales=sorted({scale for one in opened for scale in one.scales}),
             fastest=max(one.fastest for one in opened),
+            handled=sum(one.handled for one in opened),
             cut_short=cut_short,
             unasked=len(checks) - len(found),
         )

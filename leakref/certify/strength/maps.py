@@ -25,7 +25,7 @@ MAPS: dict[str, tuple[str, list[list[float]]]] = {
     "lost-y": ("without a y component", [[1, 0], [0, 0]]),
 }
 """What a slip of sign or order makes of a velocity: in words, and as a matrix."""
-_NEAR = 0.35  # part of the velocities that may be left over
+_NEAR = 10**-1.5  # part of the velocities that may be left over: what only comes nearer is no explanation
 _BETTER = 0.7  # how much less a turn by any angle must leave over than the best of the maps above
 _FACTOR = 0.15  # that a factor may differ from one
 _FULL = 15.6  # digits of float64

@@ -85,6 +85,8 @@ class Subject:
         self.scales: set[float] = set()
         """Those at which it has answered, and `fastest`, in c0, what it was asked for: the scope of the certificate."""
         self.fastest = 0.0
+        self.handled = 0.0
+        """Samples of all cubes that it was asked for, times wavenumbers: what the judging cost, on any machine."""
 
     def _work(self, stage: str, arrays: dict[str, Any], parameters: dict[str, Any]) -> Mapping[str, Any]:
         raise NotImplementedError
@@ -205,6 +207,7 @@ class Subject:
             "window": window if d.tapers else "box",
             "method": method if d.methods else ASKED,
         }
+        self.handled += surface.size * asked.size
         answer = self._work("extract", arrays, parameters)
         rows, at = _rows(answer, asked / length, d)
         if not raw:

@@ -1,0 +1,308 @@
+"""What stands in the findings themselves, whatever the algorithm: said as it was seen, and no further.
+
+A behaviour that failed is its own explanation. Velocities that stick at one value, lie on a lattice of rounding or are
+always the same, energies in a constant ratio, and answers that are right at one scale only are told with their numbers.
+`other_maxima` looks whether velocities are maxima of the score, if not those that a search from zero finds.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from leakref._base import FloatArray
+from leakref.certify.strength.clues import TRUE, Clue, Hypothesis, digits, gather, velocities
+from leakref.certify.subject.declaration import Declaration
+from leakref.certify.subject.frames import Subject, Velocities
+from leakref.certify.subject.inprocess import InProcess
+from leakref.certify.verdict import WRONG, Finding, Verdict
+from leakref.chain import reference
+from leakref.grid import Grid
+from leakref.nsp import WIDTH, characteristic_function, normalized_scalar_product, score_derivatives, score_range
+from leakref.shell import Shell, shell_at
+from leakref.spectrum import fourier
+
+__all__ = ["other_maxima", "symptoms"]
+
+_SAME = 1e-6  # relative: velocities that are one
+_OFTEN, _MOSTLY = 0.2, 0.6  # parts of the answers
+_AT_LEAST = 4
+_ENERGIES = {2 / 3: "2/3", 0.5: "1/2", 1 / 3: "1/3", 0.25: "1/4", 2.0: "2", 4.0: "4", 1.5: "3/2"}
+_STAYS = 2e-3  # in c0: so near to a maximum is at it
+_AWAY = 0.05  # in c0: so far from the reference's is at another
+_MANY = 8  # questions that are looked at again
+
+
+def symptoms(findings: Sequence[Finding], declared: Mapping[str, Any]) -> list[Hypothesis]:
+    """What can be said of failures by looking at them, each once."""
+    failed = [f for f in findings if f.verdict in WRONG]
+    found = [
+        *_unanswered(failed),
+        *_behaviours(failed),
+        *_energy(failed),
+        *_signs_lost(failed),
+        *_repeated(failed, declared),
+        *_scales(findings),
+    ]
+    return list({(one.fault, one.words): one for one in found}.values())
+
+
+def _said(identifier: str, words: str) -> Hypothesis:
+    return Hypothesis(identifier, words, None, "symptom")
+
+
+def _behaviours(failed: Sequence[Finding]) -> Iterator[Hypothesis]:
+    """Those that are no number: what it did is what is wrong."""
+    for f in failed:
+        check, case = f.id.partition("[")[0], f.id.partition("[")[2].rstrip("]")
+        if f.verdict is not Verdict.FAIL or f.over is None:  # else it gave no answer, which says nothing of this
+            continue
+        if check == "behaviour.refuses":
+            what = "infinity" if case == "infinity" else "NaN"
+            gave = "gives NaN for velocities of" if "answered NaN" in f.message else "answers"
+            yield _said(check, f"it {gave} a cube that holds {what} as if it were whole")
+        elif check == "behaviour.input":
+            yield _said(check, f"it does what it must not: {f.message}")
+        elif check == "behaviour.deterministic":
+            yield _said(check, "it does not answer the same question twice alike")
+        elif check == "behaviour.order":
+            yield _said(check, "its velocity at a wavenumber depends on which others are asked for, or in which order")
+        elif check == "behaviour.past-nyquist":
+            yield _said(check, "it gives NaN for a velocity past the Nyquist wavenumber")
+
+
+def _unanswered(failed: Sequence[Finding]) -> Iterator[Hypothesis]:
+    """The same fault instead of an answer, again and again."""
+    told = [re.sub(r"[-+]?[0-9][0-9.e+-]*", "#", f.message) for f in failed if f.over is None]
+    for words, count in Counter(told).most_common(1):
+        if count >= max(_AT_LEAST, _OFTEN * len(failed)):
+            message = next(f.message for f in failed if re.sub(r"[-+]?[0-9][0-9.e+-]*", "#", f.message) == words)
+            yield _said("no-answer", f"{count} of {len(failed)} failed questions have no answer: {message}")
+
+
+def _signs_lost(failed: Sequence[Finding]) -> Iterator[Hypothesis]:
+    """Components that are right but for their signs, or always zero."""
+    pairs = [velocities(f.figures) for f in failed if f.family in TRUE]
+    mine, true = (np.concatenate([np.empty((0, 2)), *(pair[n] for pair in pairs)]) for n in (0, 1))
+    if len(mine) < _AT_LEAST or not (np.abs(true).max(axis=0) > _AWAY).all():
+        return
+    if (mine >= 0).all() and np.median(digits(mine, np.abs(true))) >= 1.5:
+        yield _said("absolute-value", f"no component of {len(mine)} velocities is negative: they have lost their signs")
+    for axis, name in enumerate("xy"):
+        if not mine[:, axis].any():
+            yield _said(f"lost-{name}", f"the {name} component of all {len(mine)} velocities that fell short is zero")
+
+
+def _energy(failed: Sequence[Finding]) -> Iterator[Hypothesis]:
+    """A ratio of energy that is the same for other waves."""
+    single = [f.figures["ratio"] for f in failed if f.id.startswith("synthesis.energy") and "ratio" in f.figures]
+    ratios = [r for f in failed if f.id.startswith("synthesis.mean-energy") for r in f.figures.get("ratios", ())]
+    both = np.array([*single, *ratios], dtype=np.float64)
+    if both.size < 2 or not np.isfinite(both).all():
+        return
+    mean = float(both.mean())
+    if np.ptp(both) <= 1e-3 * mean:
+        name = next((f" ({said})" for value, said in _ENERGIES.items() if abs(mean / value - 1) < 1e-3), "")
+        yield _said("energy-ratio", f"each surface holds {mean:.4g}{name} of the energy asked for")
+    elif abs(mean - 2 / 3) < 3 * float(both.std()) / np.sqrt(both.size) and np.ptp(both) > 0.05:
+        yield _said(
+            "energy-ratio",
+            f"surfaces hold {mean:.2g} of the energy asked for in the mean, and each another part: as if amplitudes "
+            "were drawn anew, which leaves 2/3",
+        )
+
+
+# ---------------------------------------------------------------- velocities that repeat
+
+
+def _repeated(failed: Sequence[Finding], declared: Mapping[str, Any]) -> Iterator[Hypothesis]:
+    """One answer for everything, answers at the edge of a box, answers on a lattice: in the units of the code."""
+    subject, unit = (
+        Subject(Declaration(units=declared["units"])),
+        "m/s" if declared["units"] == "si" else "in its units",
+    )
+    rows, asked = [np.empty((0, 2))], [np.empty(0)]
+    for n, call in enumerate(call for f in failed for call in f.calls if call.stage == "extract"):
+        length, time, _ = subject.units(call.asked["scale"])
+        there = np.isfinite(call.answer).all(axis=1)
+        rows.append(call.answer[there] * (length / time))
+        asked.append(np.full(int(there.sum()), n))
+    v, of = np.concatenate(rows), np.concatenate(asked)
+    if len(v) < 2 * _AT_LEAST:
+        return
+    alike = (np.abs(v - np.median(v, axis=0)) <= _SAME * np.abs(v).max()).all(axis=1)
+    if alike.mean() >= _MOSTLY and np.unique(of[alike]).size >= _AT_LEAST:
+        one = ", ".join(f"{part:.4g}" for part in v[alike][0])
+        yield _said("one-answer", f"{int(alike.sum())} of {len(v)} answers are ({one}) {unit}, whatever is asked")
+        return
+    size = np.abs(v)
+    if (step := _step(size)) is not None:
+        yield _said("on-a-lattice", f"its velocities are whole multiples of {step:.4g} {unit}")
+        return
+    value, at = _commonest(size)
+    if value > 0 and at.sum() >= max(_AT_LEAST, _OFTEN * len(v)) and np.unique(of[at]).size >= 3:
+        edge = value >= size.max() * (1 - _SAME)
+        what = "the edge of what it searches" if edge else "a value at which it sticks"
+        yield _said(
+            "edge-of-range",
+            f"{int(at.sum())} of {len(v)} answers that fell short have a component of {value:.4g} {unit} to the last "
+            f"digit: {what}",
+        )
+
+
+def _commonest(size: FloatArray) -> tuple[float, FloatArray]:
+    """The commonest |component| other than zero of velocities (m, 2), and which of them have it, (m,)."""
+    flat = np.sort(size[size > 0])
+    if not flat.size:
+        return 0.0, np.zeros(len(size), bool)
+    groups = np.split(flat, np.flatnonzero(np.diff(flat) > _SAME * flat[1:]) + 1)
+    value = float(np.median(max(groups, key=len)))
+    return value, (np.abs(size - value) <= _SAME * value).any(axis=1)
+
+
+def _step(size: FloatArray) -> float | None:
+    """Of which all components are whole multiples, if they are."""
+    flat = np.unique(np.round(size[size > 0] / max(float(size.max()), 1e-300), 9)) * float(size.max())
+    if flat.size < 3:
+        return None
+    step = float(min(flat[0], np.diff(flat).min()))
+    off = np.abs(flat / step - np.rint(flat / step))
+    return step if step > 1e-3 * flat[-1] and off.max() < 1e-4 else None
+
+
+# ---------------------------------------------------------------- scales
+
+
+def _scales(findings: Sequence[Finding]) -> Iterator[Hypothesis]:
+    """Right at the usual scale and wrong at others."""
+    judged = [f for f in findings if f.family in ("signs", "recovery", "currents", "scale")]
+    wrong = [f for f in judged if f.verdict in WRONG]
+    other = {"sixteenth": "16 times longer", "quarter": "4 times longer", "4": "4 times shorter",
+             "16": "16 times shorter"}  # fmt: skip
+    at = {f.id.partition("[")[2].rstrip("]").removesuffix("-untapered") for f in wrong if f.id.startswith("scale.peak")}
+    if not at or any(f.family != "scale" for f in wrong) or not any(f.family == "signs" for f in judged):
+        return
+    longer, shorter = at & {"sixteenth", "quarter"}, at & {"4", "16"}
+    what = (
+        "a width, a range or a limit"
+        if longer and shorter
+        else "a width too wide there, or a range of velocities too narrow,"
+        if longer
+        else "a width too narrow there, or a limit of frequency or wavenumber too low,"
+    )
+    said = " and ".join(words for name, words in other.items() if name in at)
+    yield _said(
+        "fixed-constants",
+        f"it is right at the usual scale and wrong where the same waves are {said}: {what} is written down in rad/s, "
+        "rad/m or m/s instead of being taken from the cube",
+    )
+
+
+# ---------------------------------------------------------------- other maxima of the score
+
+
+class _Recording(InProcess):
+    """The reference, and what it was shown."""
+
+    shown: list[tuple[FloatArray, Sequence[float], FloatArray, str, str | None]]
+
+    def extract(self, surface: Any, spacing: Any, wavenumbers: Any, **named: Any) -> Velocities:
+        """As `Subject.extract`, of which it takes down the question."""
+        window, method = named.get("window", "hann"), named.get("method")
+        self.shown.append((surface, spacing, np.atleast_1d(wavenumbers), window, method))
+        return super().extract(surface, spacing, wavenumbers, **named)
+
+
+def other_maxima(
+    findings: Sequence[Finding], declared: Mapping[str, Any], methods: Sequence[str], *, seed: int, golden: int
+) -> list[Hypothesis]:
+    """Whether velocities that failed are maxima of N all the same, or of N with the second branch as it is printed.
+
+    Only of a code that is an NSP, by what it says or what it was taken for. A maximum that scores lower than the
+    reference's is where another search ends; that of the printed branch (decision D2) is none of N.
+    """
+    if "nsp" not in methods or "extract" not in declared["can"]:
+        return []
+    other, printed, known = 0, 0, 0
+    failed = [clue for clue in gather(findings, seed, golden) if clue.finding.calls and clue.check.stage == "extract"]
+    for clue in [clue for clue in failed if clue.check.family in ("currents", "signs", "recovery", "shear")][:_MANY]:
+        for shell, a, mine, should in _shells(clue, declared, methods):
+            if not np.hypot(*mine) <= score_range(shell, a, 1.0) or np.hypot(*(mine - should)) < _AWAY:
+                continue
+            known += 1
+            lower = normalized_scalar_product(shell, mine, a) < normalized_scalar_product(shell, should, a) * (1 - 1e-6)
+            at = _is_maximum(shell, mine, a)
+            other += at and lower
+            printed += not at and _is_maximum_as_printed(shell, mine, a)
+    said = {
+        "other-maximum": (
+            other,
+            "maxima of the score too, with a lower score: the search starts elsewhere, or its first step is too long "
+            "(`leakref guide real-codes`)",
+        ),
+        "printed-branch": (
+            printed,
+            "maxima of the score with the second branch of G as it is printed, omega + omega0 + k.c (decision D2)",
+        ),
+    }
+    return [
+        _said(name, f"{count} of {known} velocities that are far off are {words}")
+        for name, (count, words) in said.items()
+        if known >= 2 and count >= _MOSTLY * known
+    ]
+
+
+def _shells(
+    clue: Clue, declared: Mapping[str, Any], methods: Sequence[str]
+) -> Iterator[tuple[Shell, float, FloatArray, FloatArray]]:
+    """For each velocity of a finding by the NSP: its shell, the width a, the velocity and the reference's (2,)."""
+    subject = _Recording(reference)
+    subject.shown = []
+    theirs = Declaration.read({**declared})
+    own = subject.declaration
+    can = {**own.can, "extract": {"methods": list(methods), "windows": list(theirs.windows)}}
+    subject.declaration = Declaration(fixed=tuple(n for n in theirs.fixed if n == "dy"), can=can)
+    clue.check(subject, clue.case)
+    for (surface, spacing, k, window, method), mine, true in zip(
+        subject.shown, clue.finding.calls, subject.calls, strict=False
+    ):
+        if method == "nsp" and mine.answer.shape == true.answer.shape and mine.asked["scale"] == 1:
+            grid = Grid(surface.shape, (spacing[0], spacing[1], spacing[2]))
+            spectrum = fourier(surface, grid, window, workers=1)
+            for n in np.flatnonzero(np.isfinite(mine.answer).all(axis=1) & np.isfinite(true.answer).all(axis=1)):
+                width = WIDTH * grid.frequency_resolution
+                yield shell_at(spectrum, float(k[n])), width, mine.answer[n], true.answer[n]
+
+
+def _is_maximum(shell: Shell, velocity: FloatArray, a: float) -> bool:
+    _, gradient, hessian = score_derivatives(shell, velocity, a)
+    return _at_the_top(gradient, hessian)
+
+
+def _is_maximum_as_printed(shell: Shell, velocity: FloatArray, a: float, step: float = 1e-3) -> bool:
+    """By differences, of N with a second branch at -omega0 - k.c."""
+
+    def score(c: FloatArray) -> float:
+        g = characteristic_function(shell, c, a)
+        mirror = np.exp(-2 * ((shell.omega + (shell.intrinsic - shell.kx * c[0] - shell.ky * c[1])[:, None]) / a) ** 2)
+        printed = np.exp(-2 * ((shell.omega + (shell.intrinsic + shell.kx * c[0] + shell.ky * c[1])[:, None]) / a) ** 2)
+        g = g - mirror + printed
+        return float(np.sum((g * shell.magnitude) @ shell.weight) / np.sum(g @ shell.weight))
+
+    x, y = np.eye(2) * step
+    n = {(i, j): score(velocity + i * x + j * y) for i in (-1, 0, 1) for j in (-1, 0, 1)}
+    gradient = np.array([n[1, 0] - n[-1, 0], n[0, 1] - n[0, -1]]) / (2 * step)
+    cross = (n[1, 1] - n[1, -1] - n[-1, 1] + n[-1, -1]) / (4 * step**2)
+    xx, yy = (n[1, 0] - 2 * n[0, 0] + n[-1, 0]) / step**2, (n[0, 1] - 2 * n[0, 0] + n[0, -1]) / step**2
+    return _at_the_top(gradient, np.array([[xx, cross], [cross, yy]]))
+
+
+def _at_the_top(gradient: FloatArray, hessian: FloatArray) -> bool:
+    """Whether a step of Newton's would be short, towards a maximum."""
+    if not np.isfinite(hessian).all() or np.linalg.eigvalsh(hessian).max() >= 0:
+        return False
+    return bool(np.hypot(*np.linalg.solve(hessian, gradient)) <= _STAYS)
