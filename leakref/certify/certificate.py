@@ -55,8 +55,9 @@ class Certificate:
     - `bias`: records of `Bias`, empty in the quick profile and where no velocities are offered.
     - `seconds`: wall time of the run; `date`: when it ended, in UTC.
     - `seed`: of the questions that are drawn (`checks.draw`); `only`: the patterns by which some were chosen, if any.
-    - `methods`: those it was judged by; `scales`: the peak wavenumbers at which it answered; `fastest`: the strongest
-      current it was asked for, in c0; `handled`: samples of all cubes times wavenumbers, what the judging cost.
+    - `methods`: those it was judged by; `alike`: those of the reference as which it answers a broad sea; `scales`: the
+      peak wavenumbers at which it answered; `fastest`: the strongest current it was asked for, in c0; `handled`: samples
+      of all cubes times wavenumbers, what the judging cost.
     - `cut_short`: where the run was interrupted, in words, empty if it came to its end; `unasked`: how many questions
       were left then.
     - `again`: the command that repeats the run; empty where it was not run by one.
@@ -77,6 +78,7 @@ class Certificate:
     seed: int = PUBLISHED
     only: Sequence[str] = ()
     methods: Sequence[str] = ()
+    alike: Sequence[str] = ()
     scales: Sequence[float] = ()
     fastest: float = 0.0
     handled: float = 0.0

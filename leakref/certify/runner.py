@@ -117,6 +117,7 @@ def certify(
             seed=seed,
             only=only,
             methods=subject.methods if subject.offers("extract") else (),
+            alike=sorted(subject.alike or ()),
             scales=sorted({scale for one in opened for scale in one.scales}),
             fastest=max(one.fastest for one in opened),
             handled=sum(one.handled for one in opened),

@@ -18,7 +18,7 @@ from leakref.certify.verdict import WRONG, Finding
 
 __all__ = ["EXACT_FOR_ALL", "TRUE", "Clue", "Hypothesis", "digits", "gather", "velocities"]
 
-EXACT_FOR_ALL = ("recovery.pair", "signs.aligned", "currents.aligned", "leakage.aligned")
+EXACT_FOR_ALL = ("recovery.pair", "recovery.ring", "signs.aligned", "currents.aligned", "leakage.aligned")
 """Checks of so few waves that other algorithms with the same mistake give the same answers."""
 TRUE = ("signs", "recovery", "currents", "shear", "leakage")
 """Families in which what an answer should be does not depend on the code's other answers."""

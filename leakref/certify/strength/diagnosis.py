@@ -91,7 +91,7 @@ def explain(
     """
     given = {"seed": certificate.seed, "golden": certificate.set_number}
     wrong, declared = certificate.wrong, certificate.declaration
-    said = diagnose(wrong, declared, **given, deep=deep, after_each=after_each)
+    said = diagnose(wrong, declared, **given, alike=certificate.alike, deep=deep, after_each=after_each)
     repairs, remark = _cured(certificate, session, after_each) if session is not None else ([], "")
     seen = symptoms(certificate.findings, declared) + other_maxima(wrong, declared, certificate.methods, **given)
     exact = [one for one in said.hypotheses if one.digits is None or one.digits >= ENOUGH]
@@ -121,6 +121,7 @@ def _cured(
     try:
         with session if isinstance(session, AbstractContextManager) else nullcontext(session) as subject:
             subject.reproduces = next(iter(certificate.methods), OWN)
+            subject.alike = frozenset(certificate.alike)
             found, remark = cure.cure(
                 certificate.findings,
                 subject,
@@ -199,6 +200,7 @@ def diagnose(
     *,
     seed: int = PUBLISHED,
     golden: int = 1,
+    alike: Sequence[str] | None = None,
     deep: bool = False,
     after_each: Step = lambda: None,
 ) -> Diagnosis:
@@ -206,9 +208,10 @@ def diagnose(
 
     `declared` is what the implementation says of itself (`Declaration.record`): the reference with a fault is asked for
     no more than that, of the questions of the same `seed` and `golden` set, so that it is asked the same. Each of its
-    methods is tried for a code that names none. Calls `after_each` for every fault tried.
+    methods is tried for a code that names none; `alike` are those as which it answers a broad sea, if that is known.
+    Calls `after_each` for every fault tried.
     """
-    ways = [replays.question(declared, methods, seed, golden) for methods in replays.methods(declared)]
+    ways = [replays.question(declared, methods, seed, golden, alike) for methods in replays.methods(declared)]
     clues = gather(findings, seed, golden, _EVIDENCE)
     if not clues:
         return Diagnosis((), "")
@@ -217,8 +220,8 @@ def diagnose(
         for way in ways:
             best, plain = replays.tried(gather(evidence, seed, golden, _EVIDENCE), hypotheses, way, after_each)
             if _explains(best, plain):
-                alike = [_hypothesis(names, digits) for names, digits in best if digits >= best[0][1] - _ALIKE]
-                return Diagnosis(tuple(alike), where + _sentence(alike))
+                equal = [_hypothesis(names, digits) for names, digits in best if digits >= best[0][1] - _ALIKE]
+                return Diagnosis(tuple(equal), where + _sentence(equal))
     map_ = common_map(*replays.pairs(clues, ways[0]))
     if map_ is not None:
         rough = Hypothesis(*map_)

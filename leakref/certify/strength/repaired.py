@@ -142,7 +142,7 @@ class Repaired(Subject):
         own = memory.inner.declaration
         super().__init__(replace(own, fixed=(*own.fixed, "dy")) if handed.square and "dy" not in own.fixed else own)
         self.memory, self.repair = memory, joined(handed, answered)
-        self.reproduces = memory.inner.reproduces
+        self.reproduces, self.alike = memory.inner.reproduces, memory.inner.alike or frozenset()
 
     def _work(self, stage: str, arrays: dict[str, Any], parameters: dict[str, Any]) -> Mapping[str, Any]:
         if stage != "extract":

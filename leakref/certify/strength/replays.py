@@ -60,10 +60,15 @@ def methods(declared: Mapping[str, Any]) -> list[list[str]]:
     return [[name] for name in METHODS]
 
 
-def question(declared: Mapping[str, Any], methods: Sequence[str], seed: int, golden: int) -> str:
-    """How the reference is to be asked, as JSON, since results are kept by it."""
-    given = {"can": declared["can"], "fixed": declared["fixed"], "methods": methods, "seed": seed, "golden": golden}
-    return dumps(given, sort_keys=True, default=list)
+def question(
+    declared: Mapping[str, Any], methods: Sequence[str], seed: int, golden: int, alike: Sequence[str] | None = None
+) -> str:
+    """How the reference is to be asked, as JSON, since results are kept by it.
+
+    `alike` are methods of the reference as which the code answers a broad sea; None finds out for each fault.
+    """
+    said = {name: declared.get(name) for name in ("can", "fixed", "y", "cube")}
+    return dumps({**said, "methods": methods, "seed": seed, "golden": golden, "alike": alike}, default=list)
 
 
 def tried(
@@ -125,9 +130,13 @@ def _replayed(identifier: str, names: Names, asked: str) -> tuple[Finding, tuple
     offered = {"methods": given["methods"], "windows": list(theirs.windows) if theirs.tapers else []}
     subject.declaration = replace(
         own,
-        fixed=("dy",) if "dy" in given["fixed"] else (),  # the same pixels
+        fixed=tuple(name for name in given["fixed"] if name.split()[0] in ("dy", "gravity")),  # the same questions
+        y=given["y"] or "up",  # an array is shown as it is
+        cube=given["cube"] or {},
         can={**own.can, "extract": {**own.can["extract"], **offered}},
     )
+    if given["alike"] is not None:
+        subject.alike = frozenset(given["alike"])
     finding, calls = replace(check(subject, case), calls=(), figures={}), tuple(subject.calls)
     _store().put(identifier, names, asked, finding, calls)
     return finding, calls

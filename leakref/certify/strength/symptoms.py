@@ -261,7 +261,7 @@ def _shells(
 ) -> Iterator[tuple[Shell, float, FloatArray, FloatArray]]:
     """For each velocity of a finding by the NSP: its shell, the width a, the velocity and the reference's (2,)."""
     subject = _Recording(reference)
-    subject.shown = []
+    subject.shown, subject.alike = [], frozenset()
     theirs = Declaration.read({**declared})
     own = subject.declaration
     can = {**own.can, "extract": {"methods": list(methods), "windows": list(theirs.windows)}}
