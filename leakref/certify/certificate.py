@@ -56,8 +56,8 @@ class Certificate:
     - `seconds`: wall time of the run; `date`: when it ended, in UTC.
     - `seed`: of the questions that are drawn (`checks.draw`); `only`: the patterns by which some were chosen, if any.
     - `methods`: those it was judged by; `alike`: those of the reference as which it answers a broad sea; `scales`: the
-      peak wavenumbers at which it answered; `fastest`: the strongest current it was asked for, in c0; `handled`: samples
-      of all cubes times wavenumbers, what the judging cost.
+      peak wavenumbers at which it answered; `fastest`: the strongest current it was asked for, in c0; `handled`: the
+      samples of all cubes times wavenumbers, what the judging cost.
     - `cut_short`: where the run was interrupted, in words, empty if it came to its end; `unasked`: how many questions
       were left then.
     - `again`: the command that repeats the run; empty where it was not run by one.

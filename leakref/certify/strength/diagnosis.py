@@ -103,7 +103,7 @@ def explain(
     covered = {one.fault for one in seen}
     if not (exact or repairs or rough) and any(f.id.partition("[")[0] not in covered for f in wrong):
         parts.append(_unexplained(certificate, bool(seen)))
-    parts += [remark] if remark and wrong else []
+    parts += [remark] if remark and wrong and not exact else []
     return replace(
         certificate,
         diagnosis=[one.record() for one in found],
