@@ -37,7 +37,7 @@ def judge(code: Any, name: str, *, seed: int = 1, diagnosis: bool = True) -> dic
         found = certify(name, [nullcontext(InProcess(code))], pairs, profile="quick", seed=seed)
         judged = perf_counter() - start
         if diagnosis and found.wrong:
-            found = explain(found)
+            found = explain(found, InProcess(code))
     return {
         "id": name,
         "seed": seed,

@@ -88,7 +88,7 @@ def others_in_words(part: str) -> str:
 OTHERS = others_in_words("")
 TAPERED = (
     " A code that always tapers is asked under its window; the answer is then what the reference finds in the closed "
-    "form of the leakage."
+    "form of the leakage, and who is not held to digits may be off by that whole resolution."
 )
 MORE = " A code that gives no velocity where two waves are all there is, is shown twelve."
 EXACTLY = EXACT_OR_SCORE + OTHERS + TAPERED
