@@ -215,7 +215,7 @@ def test_explain_prints_words_or_json():
 
 
 def test_conformance_alone_rejects_no_code(monkeypatch, capsys):
-    monkeypatch.setattr(commands, "explain", lambda found, **how: found)
+    monkeypatch.setattr(commands, "explain", lambda found, *session, **how: found)
     assert commands.run(commands.Request("fault:narrow-width", None, only=["conformance.extract[nsp-oblong]"])) == 1
     said = capsys.readouterr().out
     assert "conformance by itself rejects no code" in said

@@ -362,9 +362,10 @@ def _alternating(clues: Iterable[Clue]) -> list[Clue]:
 
 
 def _spans(velocities: FloatArray) -> bool:
-    """Whether velocities (m, 2) are not all along one line."""
-    size = float(np.abs(velocities).max(initial=0.0))
-    return len(velocities) > 1 and size > 0 and bool(np.linalg.matrix_rank(velocities, tol=0.3 * size) == 2)
+    """Whether two of the velocities (m, 2), but for the slowest, are more than some 17 degrees apart as lines."""
+    speed = np.hypot(*velocities.T)
+    x, y = (velocities / np.maximum(speed, 1e-300)[:, None])[speed > 0.1 * speed.max(initial=1e-9)].T
+    return bool(np.abs(np.outer(x, y) - np.outer(y, x)).max(initial=0.0) > 0.3)
 
 
 def _digits(one: _Candidate) -> float:

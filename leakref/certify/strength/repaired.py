@@ -48,8 +48,19 @@ Back = Callable[[FloatArray, Question], FloatArray]
 """Velocities (m, 2), NaN where there is none, as they should be, from what the code answered to a question."""
 
 
+def _unchanged(question: Question) -> Question:
+    """Handed over as it is."""
+    return question
+
+
 def _as_they_are(velocities: FloatArray, question: Question) -> FloatArray:
+    """Taken as they came."""
     return velocities
+
+
+def _the_same(question: Question) -> float:
+    """Wavenumbers are those asked for."""
+    return 1.0
 
 
 @dataclass(frozen=True)
@@ -63,10 +74,10 @@ class Repair:
 
     id: str
     words: str
-    change: Change = lambda question: question
+    change: Change = _unchanged
     back: Back = _as_they_are
     matrix: tuple[tuple[float, float], tuple[float, float]] | None = None
-    at: Callable[[Question], float] = lambda question: 1.0
+    at: Callable[[Question], float] = _the_same
     square: bool = False
     alone: bool = False
     needs: str = ""

@@ -70,7 +70,7 @@ def factor(x: float, y: float, digits: float) -> Repair:
         told = f"its velocities are multiplied by {_shown(by, max(digits, 3))}: they come out times {out}"
         return linear(name, told, np.diag([by, by]))
     for axis, value, rest, matrix in (("x", x, y, np.diag([x, 1.0])), ("y", y, x, np.diag([1.0, y]))):
-        if abs(rest - 1) <= near:
+        if abs(rest - 1) <= 3 * near:
             words = f"the {axis} component is multiplied by {_shown(value, digits)}"
             return linear(f"factor-{axis}", words, matrix)
     words = f"the x component is multiplied by {_shown(x, digits)} and y by {_shown(y, digits)}"
