@@ -321,7 +321,8 @@ class Search:
         """Whether other failed questions come right as well, but for one in `_REMAIN`."""
         for clue in self.failed[start:end]:
             self._count(one, clue)
-            if one.missed * _REMAIN > len(self.failed[:end]):
+            near = one.missed and one.handed.id.startswith("wavenumbers")  # a neighbour's answer is often as good
+            if near or one.missed * _REMAIN > len(self.failed[:end]):
                 return False
         return one.missed * _REMAIN <= one.cured + one.missed
 

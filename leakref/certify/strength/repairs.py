@@ -254,6 +254,8 @@ _PARAMETERS = (
     Repair("wavenumbers-doubled", "wavenumbers are halved: it doubles them", partial(_times, by=0.5)),
     Repair("wavenumbers-for-wavelengths", "wavelengths are given in place of wavenumbers",
            lambda q: replace(q, wavenumbers=_TAU / q.wavenumbers)),
+    Repair("wavenumbers-squared", "wavenumbers are squared: it compares them with k squared",
+           lambda q: replace(q, wavenumbers=q.wavenumbers**2)),
     Repair("wavenumbers-to-bins", "half a bin is added to wavenumbers: answers are at the bin below",
            partial(_moved, bins=0.5)),
     Repair("wavenumbers-bin-up", "a bin is added to wavenumbers", partial(_moved, bins=1.0)),
