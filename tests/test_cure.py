@@ -23,7 +23,7 @@ from leakref.certify.verdict import Unanswered, Verdict
 from leakref.chain import reference
 from leakref.window import window as named_window
 
-SOME = ("signs.aligned", "recovery.pair")
+SOME = ("signs.aligned", "recovery.pair", "recovery.ring", "leakage.aligned")
 PLENTY = 1e9
 
 
@@ -35,7 +35,7 @@ class Code:
 
     def __init__(self, before=None, after=None, **declared):
         self.before, self.after, self.declared = before, after, declared
-        self.inner = variants.implementation("fminsearch")
+        self.inner = variants.implementation("whole-space")
 
     def describe(self):
         return {"can": {"extract": {"methods": ["nsp"], "windows": ["box", "hann"]}}, **self.declared}
@@ -264,7 +264,7 @@ def test_a_program_is_diagnosed_by_cure(tmp_path, monkeypatch, capsys):
         "    return inner.extract(surface, (dx, dy, dt), wavenumbers, gravity=gravity, window=window, method='nsp')\n"
     )
     monkeypatch.chdir(tmp_path)
-    assert run(Request("stranger:extract", None, only=("signs.aligned", "recovery.pair")), json=True) == 1
+    assert run(Request("stranger:extract", None, only=SOME), json=True) == 1
     said = json.loads(capsys.readouterr().out)
     assert [one["fault"] for one in said["diagnosis"] if one["kind"] == "repair"] == ["ny-for-nx"]
     assert "comes right if dx is multiplied by nx / ny" in said["explanation"]

@@ -197,7 +197,7 @@ def turn(degrees):
     ],
 )
 def test_what_is_odd_but_simple_is_described(change, words, few):
-    failed, declared, _ = wrong(Telling(answering(change)), "signs.aligned", "recovery.pair")
+    failed, declared, _ = wrong(Telling(answering(change)), "signs.aligned", "recovery.pair", "recovery.ring")
     said = diagnose(failed, declared)
     assert said.words.startswith(f"equals the reference, but {words}, to ")
 

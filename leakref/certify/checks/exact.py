@@ -184,23 +184,23 @@ def _judged(subject: Subject, cube: Cube, method: str, allowed: FloatArray | flo
     if window != "box":
         others = max(1.0, others)  # what a lobe does to an algorithm is its own affair, up to the resolution
     found, there = ask(subject, cube, window, method)
-    best: Outcome | None = None
-    for should in right(cube, window, method):
-        over = exactly(subject, cube, window, method, found, should, allowed, others)
-        outcome = verdict(np.where(there, over, np.nan), cube, found, should)
-        if best is None or outcome.over < best.over:
-            best = outcome
-        if best.over <= 1:
-            break
-    assert best is not None
+    outcomes = (
+        verdict(
+            np.where(there, exactly(subject, cube, window, method, found, c, allowed, others), np.nan), cube, found, c
+        )
+        for c in right(cube, window, method)
+    )
+    first = next(outcomes)
+    if not first.over <= 1:  # what fails is told beside what is right of the cube as it is
+        first = next((outcome for outcome in outcomes if outcome.over <= 1), first)
     off = np.hypot(*(found - answers(cube, window, method)[0]).T) / cube.resolutions[0]
-    if best.over > 1 and held_to_digits(subject, window, method) and off[there].max() <= 1:
+    if first.over > 1 and held_to_digits(subject, window, method) and off[there].max() <= 1:
         return replace(
-            best,
-            message=f"{best.message}; that is within the resolution: if this is not the {METHODS[method].words} of "
+            first,
+            message=f"{first.message}; that is within the resolution: if this is not the {METHODS[method].words} of "
             "guide protocol, section 3, declare a method of another name, which is not held to digits",
         )
-    return best
+    return first
 
 
 def right(cube: Cube, window: str, method: str) -> Iterator[FloatArray]:

@@ -41,7 +41,7 @@ _TWICE = "behaviour.deterministic"
 _SESSIONS = 2.0  # judging takes as many at once, the search for a cure one
 _LEAST = 2e7
 _LOOK = {
-    "signs": "D2, D11", "recovery": "D3, D9", "metamorphic": "D1, D5", "leakage": "D1, D16", "currents": "D2, D6",
+    "signs": "D2", "recovery": "D3, D9", "metamorphic": "D1, D5", "leakage": "D1, D16", "currents": "D2, D6",
     "shear": "D9", "scale": "D4", "synthesis": "D15", "conformance": "D1",
 }  # fmt: skip
 """Decisions that codes take otherwise where a family of checks fails."""
@@ -103,7 +103,7 @@ def explain(
     covered = {one.fault for one in seen}
     if not (exact or repairs or rough) and any(f.id.partition("[")[0] not in covered for f in wrong):
         parts.append(_unexplained(certificate, bool(seen)))
-    parts += [remark] if remark and wrong and not exact else []
+    parts += [remark] if remark and wrong else []
     return replace(
         certificate,
         diagnosis=[one.record() for one in found],
