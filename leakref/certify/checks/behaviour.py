@@ -180,7 +180,8 @@ def check_asked(subject: Subject, case: Case) -> Outcome:
         if not both.any():
             raise Unanswered(Verdict.MISSING, "has no two answers within a bin")
         same = np.abs(pairs[:, 0] - pairs[:, 1]).max(axis=1) <= 1e-9 * np.abs(pairs).max(axis=(1, 2))
-        cut = bool(both.sum() > 1 and same[both].all())
+        apart = float(np.ptp(pairs[both], axis=0).max()) > 1e-9 * float(np.abs(pairs[both]).max())  # not one for all
+        cut = bool(both.sum() > 1 and same[both].all() and apart)
         return Outcome(
             NEVER if cut else 0.0,
             "at k = 5.15 and 5.85 dk (and so on) the answers are "

@@ -194,7 +194,7 @@ _SPECTRUM = (
                   "np.linspace(0, self.grid.nyquist[2], self.grid.shape[2] // 2 + 1)"),)),
     Fault("rectified", "spectrum", "recovery", "the surface is squared before the transform",
           (Change("spectrum", "tapered = eta * wt", "tapered = eta**2 * wt"),)),
-    Fault("half-precision", "spectrum", "conformance", "the surface is rounded to half precision",
+    Fault("half-precision", "spectrum", "metamorphic", "the surface is rounded to half precision",
           (Change("spectrum", "tapered = eta * wt", "tapered = eta.astype(np.float16) * wt"),)),
     Fault("saturated", "spectrum", "metamorphic", "the surface is cut off at a height of 1/2",
           (Change("spectrum", "tapered = eta * wt", "tapered = eta.clip(-0.5, 0.5) * wt"),)),
@@ -263,7 +263,7 @@ _NSP = (
           (Change("nsp", CENTRES, "return np.full_like(shift, -1e6), -shell.intrinsic + shift"),)),
     Fault("current-sign-in-branch", "nsp", "signs", "the Doppler shift in G has the wrong sign",
           (Change("nsp", "shift = shell.kx * u + shell.ky * v", "shift = -shell.kx * u - shell.ky * v"), UNPOLISHED)),
-    Fault("shift-at-centre", "nsp", "conformance",
+    Fault("shift-at-centre", "nsp", "recovery",
           "the Doppler shift in G is taken at the shell's wavenumber, not at each bin's",
           (Change("nsp", "shift = shell.kx * u + shell.ky * v", "shift = (shell.kx * u + shell.ky * v) * "
                   "(shell.wavenumber / np.hypot(shell.kx, shell.ky))"), UNPOLISHED)),
@@ -353,8 +353,8 @@ _KILLING_INPUTS = {
         "absolute-value no-cross-component exchanged-spacing square-pixels hertz-for-radians "
         "degrees-for-radians gravity-dropped gravity-hard-coded knots pixels-per-frame unit-time-step "
         "doppler-frequency one-interval-short duration-short time-transform-reversed x-transform-reversed "
-        "frequencies-off-by-one wavenumbers-off-by-one frequency-at-centre group-velocity depth-assumed extra-branch "
-        "current-sign-in-branch stops-at-start solve-sign-slip solve-off-diagonal "
+        "frequencies-off-by-one wavenumbers-off-by-one frequency-at-centre group-velocity depth-assumed "
+        "solve-sign-slip solve-off-diagonal "
         "solve-factor-two ls-wrong-branch ls-both-halves rounded-answer always-hann",
     "recovery.two-shells[even]":
         "frame-rate rectified root-missing sum-for-length disc-for-shell mean-over-band reversed-wavenumbers "
@@ -375,8 +375,7 @@ _KILLING_INPUTS = {
     "conformance.spectrum[spectrum-half-bin]": "half-precision",
     "conformance.window[window-kaiser-bessel-12]": "kaiser-without-pi",
     "recovery.sea[broad]": "shift-missing",
-    "recovery.pair[odd-1]": "frequencies-to-nyquist",
-    "recovery.pair[odd-2]": "least-overlap",
+    "recovery.pair[odd-2]": "least-overlap frequencies-to-nyquist",
     "recovery.pair[even-2]": "far-start",
     "recovery.pair[prime-1]": "frames-skipped shift-off-by-one-odd wrapped-images",
     "conformance.extract[nsp-narrow]": "zero-frequency-left-out",
@@ -391,7 +390,7 @@ _KILLING_INPUTS = {
         "ls-weighted ls-intercept unsigned-wavenumbers method-ignored",
     "conformance.sea[strong-hann-nsp]": "unweighted-half wide-width missing-negative-branch",
     "conformance.sea[strong-hann-ls]": "cycles-for-radians",
-    "currents.aligned[following]": "narrow-bounds",
+    "recovery.ring[beside-moving]": "extra-branch stops-at-start current-sign-in-branch narrow-bounds",
     "currents.backwards[oblique]": "printed-branch",
     "conformance.extract[nsp-untapered]": "hard-coded-width",
     "conformance.extract[ls-oblong]": "ls-no-threshold",
