@@ -46,6 +46,7 @@ def judge(code: Any, name: str, *, seed: int = 1, diagnosis: bool = True) -> dic
         "wrong": {f.id: [f.over, f.message[:300]] for f in found.wrong},
         "missing": [f.id for f in found.findings if f.verdict is Verdict.MISSING],
         "faults": [one["fault"] for one in found.diagnosis],
+        "symptoms": [one["fault"] for one in found.diagnosis if one["kind"] == "symptom"],
         "explanation": found.explanation,
         "seconds": [round(judged, 1), round(perf_counter() - start - judged, 1)],
     }
@@ -58,9 +59,8 @@ def told(record: dict[str, Any], mistake: Mistake) -> str:
     named = mistake.named & set(record["faults"])
     if named or (mistake.says and re.search(mistake.says, record["explanation"], re.IGNORECASE)):
         return "right"
-    silent = set(record["faults"]) <= VAGUE and (
-        record["faults"] or not record["explanation"] or NOTHING.search(record["explanation"])
-    )
+    named = set(record["faults"]) - set(record.get("symptoms", ()))  # what stands in the findings blames nothing
+    silent = named <= VAGUE and (record["faults"] or not record["explanation"] or NOTHING.search(record["explanation"]))
     return "unexplained" if silent else "false"
 
 
