@@ -332,7 +332,7 @@ def test_answers_at_the_edge_of_a_range_are_told_with_its_value():
     ("change", "fault"),
     [
         (lambda found, k: np.full_like(found, 0.016), "one-answer"),
-        (lambda found, k: np.round(found, 1), "on-a-lattice"),
+        (lambda found, k: 0.22 * np.round(found / 0.22), "on-a-lattice"),
         (lambda found, k: np.abs(found), "absolute-value"),
         (lambda found, k: found * [1, 0], "lost-y"),
     ],

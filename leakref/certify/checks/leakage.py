@@ -91,8 +91,7 @@ def check_swell(subject: Subject, case: Case) -> Outcome:
 @check(
     "leakage",
     "sec:leakage",
-    WITHIN
-    + " A code that is as far off where the texture lies on a bin, and so does not leak, is not judged: it is the "
+    WITHIN + " A code that is as far off where the texture is on a bin, and so does not leak, is not judged: it is the "
     "texture that it cannot take, because of a threshold or a search that goes far.",
     [Case("fast"), Case("strong", {"strength": 200.0}, quick=False)],
 )
@@ -116,7 +115,7 @@ def check_flicker(subject: Subject, case: Case) -> Outcome:
 
     outcome = judge(38.5)
     if outcome.over > 1 and judge(38.0).over > 1:
-        raise Unanswered(Verdict.UNSUPPORTED, "finds no waves beside so strong a texture, leaking or not")
+        raise Unanswered(Verdict.UNSUPPORTED, "is as far off where the texture is on a bin: it is not for leaking")
     return outcome
 
 

@@ -58,7 +58,7 @@ def factor(x: float, y: float, digits: float) -> Repair:
 
     A factor that is one of `UNITS` or `NUMBERS` to within that is taken for it.
     """
-    near = max(10**-digits, 1e-12)
+    near = max(3 * 10**-digits, 1e-12)
     if x == y:
         by, out, name = x, _shown(1 / x, digits), "factor"
         for unit, value in UNITS.items():

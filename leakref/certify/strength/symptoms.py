@@ -28,6 +28,8 @@ from leakref.spectrum import fourier
 
 __all__ = ["other_maxima", "symptoms"]
 
+_IN_STEPS = ("signs.aligned", "recovery.ring", "recovery.shells", "recovery.half-width")
+"""Checks whose currents are whole multiples of a step themselves."""
 _SAME = 1e-6  # relative: velocities that are one
 _OFTEN, _MOSTLY = 0.2, 0.6  # parts of the answers
 _AT_LEAST = 4
@@ -126,7 +128,8 @@ def _repeated(failed: Sequence[Finding], declared: Mapping[str, Any]) -> Iterato
         "m/s" if declared["units"] == "si" else "in its units",
     )
     rows, asked = [np.empty((0, 2))], [np.empty(0)]
-    for n, call in enumerate(call for f in failed for call in f.calls if call.stage == "extract"):
+    free = [f for f in failed if f.id.partition("[")[0] not in _IN_STEPS]
+    for n, call in enumerate(call for f in free for call in f.calls if call.stage == "extract"):
         length, time, _ = subject.units(call.asked["scale"])
         there = np.isfinite(call.answer).all(axis=1)
         rows.append(call.answer[there] * (length / time))
