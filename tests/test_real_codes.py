@@ -17,6 +17,7 @@ from leakref.certify.strength.diagnosis import explain
 from leakref.certify.targets import connect
 
 HERE = Path(__file__).parent / "real_codes"
+EXACT = ("signs.aligned", "recovery.pair", "recovery.ring")
 SOME = (
     "signs.sea[to-22.5]",
     "signs.aligned[to-112.5]",
@@ -94,7 +95,7 @@ def test_so_it_is_in_the_whole_profile(name, tmp_path):
     ],
 )
 def test_a_mistake_in_it_is_named(name, old, new, fault, tmp_path):
-    found = explain(certificate(CODES[name](changed(name, old, new), tmp_path), "signs.aligned", "recovery.pair"))
+    found = explain(certificate(CODES[name](changed(name, old, new), tmp_path), *EXACT))
     assert found.grade == "rejected"
     assert fault in [one["fault"] for one in found.diagnosis]
 
