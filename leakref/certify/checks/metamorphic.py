@@ -64,8 +64,9 @@ def _cube(window: str) -> Cube:
 def _related(
     subject: Subject, case: Case, change: Change, matrix: FloatArray, exchanged: bool = False, always: bool = False
 ) -> Outcome:
-    """Compare the velocities of a changed array with those of the array itself, `matrix` applied. `always`: to give none
-    for the changed one is a failure.
+    """Compare the velocities of a changed array with those of the array itself, `matrix` applied.
+
+    With `always` to give none for the changed one is a failure.
     """
     window = tapered(subject) if case.given.get("tapered", False) else untapered(subject)
     cube = _cube(window)
