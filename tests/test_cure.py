@@ -23,7 +23,7 @@ from leakref.certify.verdict import Unanswered, Verdict
 from leakref.chain import reference
 from leakref.window import window as named_window
 
-SOME = ("signs.aligned", "recovery.pair", "recovery.ring", "leakage.aligned")
+SOME = ("signs.aligned", "recovery.pair", "recovery.ring", "recovery.shells", "leakage.aligned")
 PLENTY = 1e9
 
 
