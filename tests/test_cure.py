@@ -130,7 +130,8 @@ def test_a_mistake_in_the_answer_is_named_by_its_repair(name):
 def test_a_mistake_in_what_is_read_is_named_by_its_repair(name):
     best, _ = cured(Code(QUESTIONS[name]), *SOME)
     assert name in [one.repair.id for one in best]
-    assert best[0].cured == best[0].asked or name == "frames-dt:2"  # beyond half of Nyquist nothing helps
+    remain = best[0].asked / 4 if name == "frames-dt:2" else 0  # of waves beyond half of Nyquist nothing is left
+    assert best[0].cured >= best[0].asked - remain
     assert best[0].repair.parts == 1
 
 

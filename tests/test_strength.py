@@ -128,7 +128,7 @@ def test_workers_and_their_order_change_nothing(few):
 def test_all_that_is_to_do_is_done_once():
     todo = study.jobs(full=True)
     assert len(set(todo)) == len(todo)
-    assert sum(job.kind == "variant" and job.seed is not None for job in todo) == study.SEEDS == 500
+    assert sum(job.kind == "variant" and job.seed is not None for job in todo) == study.SEEDS == 1000
     assert {job.id for job in todo if job.kind == "variant" and job.seed is not None} == set(VARIANTS)
     assert {job.id for job in todo if job.kind == "fault"} == set(FAULTS)
 

@@ -123,7 +123,7 @@ def check_reversal(subject: Subject, case: Case) -> Outcome:
 @check(
     "metamorphic",
     "eq:normSp",
-    CLOSE,
+    CLOSE + " To give no velocity for the changed surface is a failure.",
     [
         Case(f"{factor:g}-{window}", {"factor": factor, "tapered": tapered}, quick=tapered)
         for factor in (1e6, 1e-6)

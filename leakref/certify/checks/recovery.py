@@ -133,6 +133,8 @@ BESIDE = ((5, 0), (0, 5), (-5, 0), (0, -5), (6, 0), (0, 6))
         Case("beside-still", {"bins": BESIDE, "current": (0, 0), "periods": 21}),
         Case("beside-moving", {"bins": BESIDE, "current": (5, -5), "periods": 21}),
         Case("moving", {"bins": ((5, 0), (0, 5), (-5, 0), (0, -5)), "current": (3, -4)}),
+        # not two bins along an axis: at a / 2 the slope of G has its extremum, and Newton's method stands still there
+        Case("one-sided", {"bins": ((5, 0), (0, 5), (-5, 0)), "current": (-3, -1)}),
         Case("still-2", {"bins": ((-5, 0), (-4, 3), (-3, 4), (0, -5)), "current": (0, 0)}, quick=False),
     ],
 )

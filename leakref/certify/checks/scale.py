@@ -19,7 +19,7 @@ from leakref.certify.checks.criteria import (
     untapered,
     verdict,
 )
-from leakref.certify.checks.inputs import BRIEF, SEA, polar
+from leakref.certify.checks.inputs import BRIEF, SEA, Cube, polar
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Unanswered, Verdict
@@ -31,12 +31,30 @@ __all__ = ["check_duration", "check_gravity", "check_peak"]
 LONG = Grid((40, 42, 144), (0.72, 0.7, 0.8))
 
 
+CLOSE = (
+    "A velocity in units of c0 may differ by a tenth of the smaller of the two velocity resolutions, at wavenumbers at "
+    "which the reference has nothing to note. In scaled units the two seas are one computation."
+)
+
+
+def _another(
+    subject: Subject, cube: Cube, window: str, method: str, *, scale: float = 1.0, gravity: float = 1.0
+) -> Outcome:
+    """The same sea shown at another `scale`, or under another `gravity`, beside what was found of it as it is."""
+    found, there = ask(subject, cube, window, method)
+    other = subject.extract(
+        cube.surface, cube.spacing, cube.wavenumbers, window=window, method=method, scale=scale, gravity=gravity
+    )
+    there &= answered(subject, other)
+    over = np.hypot(*(other.values - found).T) / (FRACTION * cube.resolutions[0])
+    known = there & unflagged(cube, window, method)
+    return verdict(np.where(known, over, np.nan), cube, other.values, found)
+
+
 @check(
     "scale",
     "sec:dimensions",
-    "A velocity in c0 may differ by a tenth of the smaller of the two velocity "
-    "resolutions, at wavenumbers at which the reference has nothing to note. In scaled units the two seas are one "
-    "computation.",
+    CLOSE,
     [
         Case(name + ("" if tapered else "-untapered"), {"scale": scale, "tapered": tapered}, quick=quick)
         for name, scale, quick in (
@@ -54,24 +72,13 @@ def check_peak(subject: Subject, case: Case) -> Outcome:
     window = tapered(subject) if case.given["tapered"] else untapered(subject)
     cube = inputs.sea(70.0, 100.0, UniformCurrent(polar(0.2, -30.0)), realization=11, wavenumbers=(1.3, 1.6, 2.0, 2.5))
 
-    def judge(method: str) -> Outcome:
-        found, there = ask(subject, cube, window, method)
-        other = subject.extract(
-            cube.surface, cube.spacing, cube.wavenumbers, window=window, method=method, scale=case.given["scale"]
-        )
-        there &= answered(subject, other)
-        over = np.hypot(*(other.values - found).T) / (FRACTION * cube.resolutions[0])
-        known = there & unflagged(cube, window, method)
-        return verdict(np.where(known, over, np.nan), cube, other.values, found)
-
-    return each_method(subject, judge)
+    return each_method(subject, lambda method: _another(subject, cube, window, method, scale=case.given["scale"]))
 
 
 @check(
     "scale",
     "eq:g",
-    "A velocity in units of c0 may differ by a tenth of the smaller of the two velocity resolutions, at wavenumbers at "
-    "which the reference has nothing to note. In scaled units the two seas are one computation.",
+    CLOSE,
     [Case("moon", {"gravity": 0.165}), Case("jupiter", {"gravity": 2.53}, quick=False)],
 )
 def check_gravity(subject: Subject, case: Case) -> Outcome:
@@ -83,14 +90,7 @@ def check_gravity(subject: Subject, case: Case) -> Outcome:
     cube = inputs.sea(70.0, 100.0, UniformCurrent(polar(0.2, -30.0)), realization=11, wavenumbers=(1.3, 1.6, 2.0))
 
     def judge(method: str) -> Outcome:
-        found, there = ask(subject, cube, window, method)
-        other = subject.extract(
-            cube.surface, cube.spacing, cube.wavenumbers, window=window, method=method, gravity=case.given["gravity"]
-        )
-        there &= answered(subject, other)
-        over = np.hypot(*(other.values - found).T) / (FRACTION * cube.resolutions[0])
-        known = there & unflagged(cube, window, method)
-        outcome = verdict(np.where(known, over, np.nan), cube, other.values, found)
+        outcome = _another(subject, cube, window, method, gravity=case.given["gravity"])
         hint = "; what cannot be told the gravity declares it as fixed" if outcome.over > 1 else ""
         return replace(outcome, message=f"under {case.given['gravity']:g} of the usual gravity {outcome.message}{hint}")
 

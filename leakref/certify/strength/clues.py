@@ -16,14 +16,18 @@ from leakref.certify.checks.registry import Case, Check
 from leakref.certify.runner import select
 from leakref.certify.verdict import WRONG, Finding
 
-__all__ = ["EXACT_FOR_ALL", "TRUE", "Clue", "Hypothesis", "digits", "gather", "velocities"]
+__all__ = ["EXACT_FOR_ALL", "FULL", "TRUE", "TWICE", "USUAL", "Clue", "Hypothesis", "digits", "gather", "velocities"]
 
 EXACT_FOR_ALL = ("recovery.pair", "recovery.ring", "signs.aligned", "currents.aligned", "leakage.aligned")
 """Checks of so few waves that other algorithms with the same mistake give the same answers."""
 TRUE = ("signs", "recovery", "currents", "shear", "leakage")
 """Families in which what an answer should be does not depend on the code's other answers."""
-_FULL = 15.6  # digits of float64
-_USUAL = 0.3  # in c0: digits of slower velocities are counted from here, since optimisers stop at so much of c0
+FULL = 15.6
+"""Digits of float64."""
+USUAL = 0.3
+"""In c0: digits of slower velocities are counted from here, since optimisers stop at so much of c0."""
+TWICE = "behaviour.deterministic"
+"""The check that a code fails whose numbers are no evidence."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,10 +85,10 @@ def _parts(figures: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
 
 
 def digits(found: FloatArray, should: FloatArray) -> FloatArray:
-    """Of agreement, (m,), of velocities (m, 2), those slower than `_USUAL` counted from there."""
-    scale = np.abs(should).max(initial=_USUAL)
+    """Of agreement, (m,), of velocities (m, 2), those slower than `USUAL` counted from there."""
+    scale = np.abs(should).max(initial=USUAL)
     off = np.abs(found - should).max(axis=1) / scale
-    return np.clip(-np.log10(np.maximum(off, 10**-_FULL)), 0.0, _FULL)
+    return np.clip(-np.log10(np.maximum(off, 10**-FULL)), 0.0, FULL)
 
 
 @dataclass(frozen=True)

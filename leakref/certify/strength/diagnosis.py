@@ -22,7 +22,7 @@ from leakref.certify.certificate import REJECTED, SOUND, Certificate
 from leakref.certify.checks.draw import PUBLISHED
 from leakref.certify.runner import select
 from leakref.certify.strength import cure, faults, replays
-from leakref.certify.strength.clues import EXACT_FOR_ALL, Hypothesis, gather
+from leakref.certify.strength.clues import EXACT_FOR_ALL, FULL, TWICE, Hypothesis, gather
 from leakref.certify.strength.maps import MAPS, common_map
 from leakref.certify.strength.replays import ENOUGH, Names, Scored
 from leakref.certify.strength.symptoms import other_maxima, symptoms
@@ -33,11 +33,9 @@ __all__ = ["ENOUGH", "Diagnosis", "Hypothesis", "departure", "diagnose", "explai
 
 _CLEARLY = 1.0  # digits that it must be better than the reference without a fault
 _ALIKE = 0.5  # digits within which several faults explain as well as the best
-_FULL = 15.6  # digits of float64
 _EVIDENCE = 8  # failed checks that are run again
 _SAID = 5  # explanations that are the same here, named before the rest is counted
 _STAGES = ("window", "synthesize", "spectrum", "extract")
-_TWICE = "behaviour.deterministic"
 _SESSIONS = 2.0  # judging takes as many at once, the search for a cure one
 _LEAST = 2e7
 _LOOK = {
@@ -242,7 +240,7 @@ def _attempts(findings: Sequence[Finding], deep: bool) -> Iterator[tuple[str, Se
             findings,
             (pair for pair in combinations(faults.FAULTS, 2) if replays.implementation(pair) is not None),
         )
-    if any(f.id.startswith(_TWICE) for f in findings):  # its numbers are no evidence
+    if any(f.id.startswith(TWICE) for f in findings):  # its numbers are no evidence
         yield "", [f for f in findings if f.family == "behaviour"], singles
     for_all = [f for f in findings if f.id.partition("[")[0] in EXACT_FOR_ALL]
     yield "where every algorithm must agree it ", for_all, singles
@@ -257,7 +255,7 @@ def _explains(best: Scored, plain: float) -> bool:
 
 
 def _shown(digits: float) -> float | None:
-    return None if digits > _FULL else round(digits, 1)
+    return None if digits > FULL else round(digits, 1)
 
 
 def _sentence(alike: Sequence[Hypothesis]) -> str:

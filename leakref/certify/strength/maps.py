@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from leakref._base import FloatArray
+from leakref.certify.strength.clues import FULL
 
 __all__ = ["MAPS", "common_map"]
 
@@ -28,7 +29,6 @@ MAPS: dict[str, tuple[str, list[list[float]]]] = {
 _NEAR = 10**-1.5  # part of the velocities that may be left over: what only comes nearer is no explanation
 _BETTER = 0.7  # how much less a turn by any angle must leave over than the best of the maps above
 _FACTOR = 0.15  # that a factor may differ from one
-_FULL = 15.6  # digits of float64
 
 
 def common_map(mine: FloatArray, true: FloatArray, scales: FloatArray) -> tuple[str, str, float] | None:
@@ -64,7 +64,7 @@ def common_map(mine: FloatArray, true: FloatArray, scales: FloatArray) -> tuple[
         name, words = name or "factor", f"{words} and times {factor:.3g}".removeprefix(" and ")
     if rest > _NEAR or not name:
         return None
-    return name, words, round(float(-np.log10(max(rest, 10**-_FULL))), 1)
+    return name, words, round(float(-np.log10(max(rest, 10**-FULL))), 1)
 
 
 def _factor(mine: FloatArray, mapped: FloatArray) -> float:

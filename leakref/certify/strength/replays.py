@@ -26,7 +26,7 @@ from leakref.certify.checks.criteria import NEVER
 from leakref.certify.checks.draw import PUBLISHED
 from leakref.certify.runner import select
 from leakref.certify.strength import faults
-from leakref.certify.strength.clues import Clue
+from leakref.certify.strength.clues import FULL, TWICE, USUAL, Clue
 from leakref.certify.subject.declaration import Declaration
 from leakref.certify.subject.frames import Call
 from leakref.certify.subject.inprocess import InProcess
@@ -39,10 +39,7 @@ __all__ = ["ENOUGH", "Names", "Scored", "implementation", "methods", "pairs", "q
 ENOUGH = 3.0
 """Digits of agreement from which a fault explains an answer: far more than two velocities share by chance."""
 _OTHERWISE = 0.1  # of the answers may be other ones: a shell in another basin does not refute a hypothesis
-_FULL = 15.6  # digits of float64
 _FLOOR = 0.02  # in c0: slower velocities of the reference say nothing of a sign
-_USUAL = 0.3  # in c0: digits of slower velocities are counted from here, since optimisers stop at so much of c0
-_TWICE = "behaviour.deterministic"
 _SMALL = 4000  # numbers: more are not kept
 _FILES = 300  # of questions; the oldest are removed
 _ENTRIES = tuple(f"leakref.certify.{part}" for part in ("strength.replays", "strength.faults", "checks", "runner"))
@@ -171,8 +168,8 @@ def _agreement(clue: Clue, names: Names, asked: str) -> list[float]:
     digits = [digit for mine, other in zip(theirs.calls, calls, strict=False) for digit in _digits(mine, other)]
     if in_words:
         told = _told(finding) <= _told(theirs)  # which may tell of the checks before as well
-        same = told and (theirs.id.startswith(_TWICE) or not digits or worst(digits) >= ENOUGH)
-        return [_FULL + 1 + worst(digits) / _FULL if same else 0.0]
+        same = told and (theirs.id.startswith(TWICE) or not digits or worst(digits) >= ENOUGH)
+        return [FULL + 1 + worst(digits) / FULL if same else 0.0]
     return digits if len(calls) == len(theirs.calls) else [0.0]
 
 
@@ -189,11 +186,11 @@ def _digits(mine: Call, other: Call) -> list[float]:
     if mine.stage == "spectrum":
         b = _fitted(a, b)
     with np.errstate(invalid="ignore", divide="ignore"):
-        scale = np.nanmax(np.abs(a), initial=_USUAL if mine.stage == "extract" else 0.0) or 1.0
+        scale = np.nanmax(np.abs(a), initial=USUAL if mine.stage == "extract" else 0.0) or 1.0
         off = np.abs(a - b).reshape(len(a), -1).max(axis=1) / scale
     gone = np.isnan(a).reshape(len(a), -1).any(axis=1)
     off = np.where(gone & np.isnan(b).reshape(len(b), -1).any(axis=1), 0.0, np.where(np.isnan(off), 1.0, off))
-    each = np.clip(-np.log10(np.maximum(off, 10**-_FULL)), 0.0, _FULL)
+    each = np.clip(-np.log10(np.maximum(off, 10**-FULL)), 0.0, FULL)
     return [float(d) for d in each] if mine.stage == "extract" else [float(each.min())]
 
 

@@ -37,7 +37,7 @@ from leakref.golden.sets import locate
 
 __all__ = ["DISTINCT", "SEEDS", "Job", "classes", "compute", "jobs", "run", "study"]
 
-SEEDS = 500
+SEEDS = 1000
 """Seeds of the full study other than that of the published questions, shared among the variants."""
 DISTINCT = 10.0
 """Effect over tolerance that every fault must have on its killing input."""
