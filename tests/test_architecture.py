@@ -7,6 +7,7 @@ import importlib.util
 import inspect
 import subprocess
 import sys
+import tokenize
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -166,3 +167,25 @@ def test_everything_public_has_a_docstring(module):
                 function = part.fget if isinstance(part, property) else getattr(part, "__func__", part)
                 if not member.startswith("_") and inspect.isfunction(function):
                     assert function.__doc__, f"{name}.{member}"
+
+
+def explaining(path: Path) -> int:
+    """Lines of a file that are docstrings, of modules, classes, functions and names, or hold a comment."""
+    text = path.read_text(encoding="utf-8")
+    blocks = [node.body for node in ast.walk(ast.parse(text)) if isinstance(getattr(node, "body", None), list)]
+    said = [
+        one.value
+        for body in blocks
+        for one in body
+        if isinstance(one, ast.Expr) and isinstance(one.value, ast.Constant) and isinstance(one.value.value, str)
+    ]
+    lines = {n for one in said for n in range(one.lineno, one.end_lineno + 1)}
+    with path.open("rb") as stream:
+        tokens = list(tokenize.tokenize(stream.readline))
+    return len(lines | {token.start[0] for token in tokens if token.type == tokenize.COMMENT})
+
+
+def test_enough_of_the_package_says_what_it_does():
+    files = [path for path in HOUSE.rglob("*.py") if "templates" not in path.parts]
+    lines = sum(len(path.read_text(encoding="utf-8").splitlines()) for path in files)
+    assert sum(map(explaining, files)) / lines >= 0.18

@@ -341,6 +341,12 @@ def test_what_is_seen_in_the_velocities_is_told(change, fault):
     assert fault in [one.fault for one in symptoms_of(telling(change), *ENOUGH_TO_SEE)]
 
 
+def test_signs_are_not_lost_where_there_were_none():
+    findings, declared, _ = wrong(telling(lambda found, k: np.abs(found)), *ENOUGH_TO_SEE)
+    figures = {"velocities": [[0.2, 0.1]] * 9, "should_be": [[0.2, 0.1]] * 9}
+    assert not any("signs" in one.words for one in symptoms([replace(findings[0], figures=figures)], declared))
+
+
 def test_a_constant_ratio_of_energy_is_told():
     (said, *_) = symptoms_of(implementation("two-thirds-energy"), "synthesis.energy", "synthesis.mean-energy")
     assert said.words == "each surface holds 0.6667 (2/3) of the energy asked for"

@@ -40,7 +40,7 @@ class Clue:
 
     @property
     def cost(self) -> float:
-        """Of asking it again: samples times wavenumbers."""
+        """Of asking it again: samples of the cube times wavenumbers, on any machine the same."""
         return float(
             sum(
                 np.prod(call.asked.get("shape", (1,))) * np.size(call.asked.get("wavenumbers", 1))
@@ -50,7 +50,11 @@ class Clue:
 
 
 def gather(findings: Sequence[Finding], seed: int, golden: int, most: int | None = None) -> list[Clue]:
-    """What failed, from cheap to dear, each family once before any twice; `most` of them."""
+    """What failed, from cheap to dear, each family once before any twice; `most` of them.
+
+    `seed` and `golden` are those of the run, so that the same questions are asked again. A family that fails in many
+    ways is not to hide another: a wrong sign fails dozens of questions, a missing window a few.
+    """
     by_id = {f"{c.id}[{case.id}]": (c, case) for c, case in select(seed=seed, golden=golden)}
     found = sorted(
         (Clue(*by_id[f.id], f) for f in findings if f.verdict in WRONG and f.id in by_id), key=lambda clue: clue.cost

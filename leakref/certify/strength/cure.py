@@ -290,7 +290,10 @@ class Search:
         return mine.shape == changed.shape != (0, 2) and bool(np.abs(mine - changed).max() < 1e-3)
 
     def _fitted_gravity(self) -> Repair | None:
-        """What gravity it takes for granted, to three digits at least, from a question whose answer is known."""
+        """What gravity it takes for granted, to three digits at least, from a question whose answer is known.
+
+        Looked for within `_GRAVITY`, closer and closer, by how far answers are off; then along a straight line.
+        """
         clue = next((clue for clue in self.failed if clue.check.id in EXACT_FOR_ALL), None)
         if clue is None:
             return None

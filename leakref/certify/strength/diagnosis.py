@@ -113,7 +113,11 @@ def explain(
 def _cured(
     certificate: Certificate, session: Subject | AbstractContextManager[Subject], after_each: Step
 ) -> tuple[list[tuple[Hypothesis, cure.Cure]], str]:
-    """Repairs that hold, and what is to be said of the search."""
+    """Repairs that hold, and what is to be said of the search.
+
+    Only a rejected code is looked at, since another algorithm needs no cure, and only where it measures velocities. A
+    session that cannot be opened, or breaks, is said, and the certificate stands as it is.
+    """
     if certificate.grade != REJECTED or "extract" not in certificate.declaration["can"]:
         return [], ""
     try:
@@ -157,7 +161,11 @@ def _listed(said: Sequence[str], between: str = ", ") -> str:
 
 
 def _unexplained(certificate: Certificate, besides: bool) -> str:
-    """What is said where nothing explains it, and where to look."""
+    """What is said where nothing explains it, and where to look.
+
+    Of a sound code that it is another algorithm; of one or two failures that they are too little to go on, and what to
+    run; of all others the first check that failed, the decisions of its family, and the guide where it tells of such.
+    """
     wrong = certificate.wrong
     farthest = max(wrong, key=lambda f: f.over or 0.0)
     if certificate.grade == SOUND:

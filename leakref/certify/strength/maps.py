@@ -73,6 +73,9 @@ def _factor(mine: FloatArray, mapped: FloatArray) -> float:
 
 
 def _left_over(mine: FloatArray, mapped: FloatArray) -> float:
-    """Part of `mine` (m, 2) that no multiple of `mapped` (m, 2) explains."""
+    """Part of `mine` (m, 2) that no multiple of `mapped` (m, 2) explains.
+
+    From 0, where one is a multiple of the other, to 1, where they have nothing in common; a tenth is one digit.
+    """
     rest = mine - _factor(mine, mapped) * mapped
     return float(np.sqrt(np.sum(rest**2) / (np.sum(mine**2) or 1.0)))

@@ -3,6 +3,9 @@
 So it holds for a code in any language and of any algorithm. `Repair` is what a repair is (the list is in `repairs`),
 `Repaired` the code with one around it, as any check sees it, and `Memory` what keeps the search from asking twice. All
 is in the frame and the units that the code itself declares, since that is where its mistake is.
+
+A check is run on a `Repaired` as on any code, and knows nothing of it: it passes or not. So no rule for what is right
+stands here a second time, and a repair that is right for one kind of question and wrong for another shows at once.
 """
 
 from __future__ import annotations

@@ -3,6 +3,21 @@
 Each is the inverse of a mistake that people make, and called by the mistake where that has a name. `OUTPUTS` change
 what the code answered, which costs no call, `INPUTS` what it is handed: parameters first, then the cube and its steps.
 `cure` looks for the smallest under which what failed comes right.
+
+All are in the frame and the units that the code declares, since that is where its mistake is. A repair need not undo
+the mistake line by line: it is enough that a right code would answer the repaired question as it stands.
+
+- A length or a duration of (n - 1) d is cured by a step that is n / (n - 1) times as long: then (n - 1) times the step
+  is the length that the cube has.
+- A gravity G that stands in the code is cured by another unit of time: with times multiplied by sqrt(g / G) the gravity
+  of the cube is G, and the velocities that come back are multiplied by the same factor.
+- A number in m or rad/s that suits other waves is cured by showing the sea smaller or larger by Froude's law, with all
+  lengths multiplied by b and all times by sqrt(b), under which gravity is the same.
+- A code that reads every second frame and believes that it reads all is cured by a time step that is twice as long.
+- A taper that is missing along an axis is cured by a cube that is tapered along it beforehand.
+
+Some mistakes have no such inverse: an angle in degrees put into a cosine cannot be taken out of it. These are left to
+the faults of the reference (`replays`), which know them by what they do.
 """
 
 from __future__ import annotations
@@ -56,6 +71,7 @@ NUMBERS = {
 def factor(x: float, y: float, digits: float) -> Repair:
     """The answer times a factor, x and y by themselves if they differ, as it was found, to so many `digits`.
 
+    `x` and `y` are what velocities are multiplied by to come right, so that their inverses are what came out too large.
     A factor that is one of `UNITS` or `NUMBERS` to within that is taken for it.
     """
     near = max(3 * 10**-digits, 1e-12)

@@ -3,6 +3,17 @@
 What a fault answers is kept in files, since it is the same for every code that is asked the same: under the digest of
 all sources that have a part in it, so that nothing in them is ever of another version. A file holds the answers of all
 faults to one question. Where nothing can be written they are worked out anew each time.
+
+What is compared are numbers: velocities wavenumber by wavenumber, spectra after the best common factor, surfaces and
+windows sample by sample. A failure that is no number (a cube with NaN that was not refused, an input that was altered)
+is compared by what it did, and counts as the same only where the words are the same as well.
+
+A hypothesis holds if nine answers in ten agree to `ENOUGH` digits: one shell in another basin of the score does not
+refute it. More other answers than that are its end, and nothing further is asked of it, which is most of what makes a
+diagnosis quick.
+
+The reference is asked as the code was: of the methods and windows that it declares, with its pixels square if they must
+be, its rows counted the same way, and held to digits where the code was.
 """
 
 from __future__ import annotations
@@ -73,6 +84,7 @@ def tried(
 ) -> tuple[Scored, float]:
     """Hypotheses by digits, best first, and the digits of the empty one, the reference itself.
 
+    `clues` are from cheap to dear, `hypotheses` ids of faults, one or several together, and `asked` is a `question`.
     One after the other the clues are compared. Not followed further are hypotheses that are far behind the best, and
     those that gave more other answers than may be, whatever the rest is.
     """
