@@ -22,7 +22,7 @@ def test_a_pair_of_waves_on_bins_gives_the_current(examined: Examined, cube: Cub
     tolerances miss, or for the NSP a score within 1e-6; another method, or one velocity for all, to the resolution.
     Images of 8 bits add noise, 5e-4 in 20,000 samples and less in more: others are given twice as much there."""
     examined.offered("extract", window="box")
-    if "wavenumbers" in examined.subject.declaration.fixed:
+    if "wavenumbers" in examined.subject.declaration.untold:
         pytest.skip("has wavenumbers of its own, of which so small a cube may have none")
     for method in examined.methods():
         found = examined.velocities(cube.surface, cube, "box", method, every=True)
@@ -44,7 +44,7 @@ def test_a_wave_on_a_bin_gives_the_component_along_it(examined: Examined, cube: 
     """NSP, box: one wave says nothing of the component across, and LS has no answer. The reference to 1e-10 c0, others
     to 2e-4, three times what optimisers at default tolerances miss, or a score within 1e-6 of the best."""
     examined.offered("extract", window="box")
-    if "nsp" not in examined.methods(band=False) or "wavenumbers" in examined.subject.declaration.fixed:
+    if "nsp" not in examined.methods(band=False) or "wavenumbers" in examined.subject.declaration.untold:
         pytest.skip("offers no NSP at any wavenumber; other methods may decline where one wave is all there is")
     found = examined.velocities(cube.surface, cube, "box", "nsp", every=True)
     if np.isnan(found).any():

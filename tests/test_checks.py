@@ -398,6 +398,31 @@ def test_who_finds_the_reference_in_a_sea_is_held_to_digits_on_bins():
     assert run_check("recovery.ring[moving]", InProcess(other)).verdict is Verdict.FAIL
 
 
+@pytest.mark.parametrize("fixed", ["gravity", "gravity (9.81)"])
+def test_who_cannot_be_told_the_gravity_is_not_asked_about_another(fixed):
+    class Told(Planted):
+        def describe(self):
+            return {**super().describe(), "fixed": [fixed]}
+
+    assert run_check("scale.gravity[moon]", InProcess(Told(gravity=1.0))).verdict is Verdict.UNSUPPORTED
+    assert "declares it as fixed" in run_check("scale.gravity[moon]", InProcess(Planted(gravity=1.0))).message
+
+
+def test_no_cube_is_handed_to_who_says_that_it_is_too_small():
+    class Large(Reference):
+        def describe(self):
+            return {**super().describe(), "cube": {"smallest": [30, 30, 60]}}
+
+        def extract(self, surface, *rest, **settings):
+            assert all(n >= least for n, least in zip(surface.shape, (30, 30, 60), strict=True))
+            return super().extract(surface, *rest, **settings)
+
+    found = verdicts(Large(), "currents.strong", "scale.duration", "recovery.sea")
+    brief = {i for i in found if i.startswith("currents.strong") or "brief" in i}
+    assert {i for i, verdict in found.items() if verdict is Verdict.UNSUPPORTED} == brief
+    assert {verdict for i, verdict in found.items() if i not in brief} == {Verdict.PASS}
+
+
 def test_numbers_that_are_declined_are_missing_or_left_out():
     class Declining(Reference):
         def extract(self, surface, spacing, wavenumbers, **settings):

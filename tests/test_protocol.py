@@ -659,6 +659,13 @@ def test_one_that_cannot_answer_at_all_is_a_broken_harness(session, own, words):
         ("can", {"extract": {"windows": ["hann", "hann\u202e"]}}),
         ("can", {"window": {"names": ["hann", "hann"]}}),
         ("can", {"extract": {"methods": ["\u202e"]}}),
+        ("cube", 5),
+        ("cube", {"smallest": 5}),
+        ("cube", {"smallest": [8, 8]}),
+        ("cube", {"smallest": [8, 8, 0]}),
+        ("cube", {"smallest": [8, 8, True]}),
+        ("cube", {"smallest": [8, 8, 8.0]}),
+        ("cube", {"smallest": "888"}),
     ],
 )
 def test_a_declaration_that_makes_no_sense_is_refused(name, value):

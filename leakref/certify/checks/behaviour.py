@@ -130,7 +130,7 @@ def check_deterministic(subject: Subject, case: Case) -> Outcome:
 def check_order(subject: Subject, case: Case) -> Outcome:
     """Each wavenumber has its own answer, in the order asked for: answers that come back sorted, or depend on those
     before, are given to the wrong wavenumber."""
-    if "wavenumbers" in subject.declaration.fixed or subject.declaration.band:
+    if "wavenumbers" in subject.declaration.untold or subject.declaration.band:
         raise Unanswered(Verdict.UNSUPPORTED, "cannot be told which wavenumbers, or in which order")
     cube, window, order = _sea(), _any_window(subject), list(case.given["order"])
 
@@ -165,7 +165,7 @@ def check_asked(subject: Subject, case: Case) -> Outcome:
     """Asked at two wavenumbers of which one is nearly a bin above the other, a code that answers the same to the last
     digit has cut both to the same whole number of bins: what it returns belongs to another wavenumber than asked, by
     up to a whole bin. If it has wavenumbers of its own, it should say which (`fixed`)."""
-    if "wavenumbers" in subject.declaration.fixed or subject.declaration.band:
+    if "wavenumbers" in subject.declaration.untold or subject.declaration.band:
         raise Unanswered(Verdict.UNSUPPORTED, "cannot be told which wavenumbers")
     side = 2 * np.pi / 0.2
     grid = Grid((50, 46, 80), (side / 50, side / 46, 0.78))
@@ -246,7 +246,7 @@ def check_refuses(subject: Subject, case: Case) -> Outcome:
 def check_past_nyquist(subject: Subject, case: Case) -> Outcome:
     """Past the Nyquist wavenumber, pi / dx, there is nothing to measure, and a code should say so: by an error, or by
     null for that wavenumber."""
-    if "wavenumbers" in subject.declaration.fixed or subject.declaration.band:
+    if "wavenumbers" in subject.declaration.untold or subject.declaration.band:
         raise Unanswered(Verdict.UNSUPPORTED, "cannot be told which wavenumbers")
     cube = _sea(1.15 * SEA.nyquist[0])
 

@@ -93,7 +93,7 @@ class Check:
         subject.calls.clear()
         subject.gaps = ""
         try:
-            with inputs.asked(square="dy" in subject.declaration.fixed, seed=case.seed):
+            with inputs.asked(square="dy" in subject.declaration.untold, seed=case.seed):
                 outcome = self.function(subject, case)
         except Unanswered as nothing:
             return replace(blank, verdict=nothing.verdict, message=nothing.message, calls=tuple(subject.calls))

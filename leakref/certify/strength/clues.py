@@ -16,7 +16,20 @@ from leakref.certify.checks.registry import Case, Check
 from leakref.certify.runner import select
 from leakref.certify.verdict import WRONG, Finding
 
-__all__ = ["EXACT_FOR_ALL", "FULL", "TRUE", "TWICE", "USUAL", "Clue", "Hypothesis", "digits", "gather", "velocities"]
+__all__ = [
+    "EXACT_FOR_ALL",
+    "FULL",
+    "OTHERWISE",
+    "TRUE",
+    "TWICE",
+    "USUAL",
+    "Clue",
+    "Hypothesis",
+    "digits",
+    "gather",
+    "velocities",
+    "worst",
+]
 
 EXACT_FOR_ALL = ("recovery.pair", "recovery.ring", "signs.aligned", "currents.aligned", "leakage.aligned")
 """Checks of so few waves that other algorithms with the same mistake give the same answers."""
@@ -26,6 +39,8 @@ FULL = 15.6
 """Digits of float64."""
 USUAL = 0.3
 """In c0: digits of slower velocities are counted from here, since optimisers stop at so much of c0."""
+OTHERWISE = 0.1
+"""Of the answers may be other ones: a shell in another basin does not refute an explanation."""
 TWICE = "behaviour.deterministic"
 """The check that a code fails whose numbers are no evidence."""
 
@@ -93,6 +108,11 @@ def digits(found: FloatArray, should: FloatArray) -> FloatArray:
     scale = np.abs(should).max(initial=USUAL)
     off = np.abs(found - should).max(axis=1) / scale
     return np.clip(-np.log10(np.maximum(off, 10**-FULL)), 0.0, FULL)
+
+
+def worst(digits: Sequence[float]) -> float:
+    """What nine answers in ten agree to."""
+    return float(np.quantile(digits, OTHERWISE, method="lower")) if len(digits) else 0.0
 
 
 @dataclass(frozen=True)

@@ -17,9 +17,19 @@ import numpy as np
 
 from leakref._base import FloatArray
 from leakref.certify.runner import select
-from leakref.certify.strength.clues import EXACT_FOR_ALL, TRUE, Clue, digits, gather, velocities
+from leakref.certify.strength.clues import EXACT_FOR_ALL, TRUE, Clue, digits, gather, velocities, worst
 from leakref.certify.strength.repaired import NONE, Memory, Repair, Repaired, Spent, joined
-from leakref.certify.strength.repairs import GRAVITIES, IMAGES, INPUTS, OUTPUTS, PAIRS, factor, gravity, turned
+from leakref.certify.strength.repairs import (
+    GRAVITIES,
+    IMAGES,
+    INPUTS,
+    KNOWN_GRAVITIES,
+    OUTPUTS,
+    PAIRS,
+    factor,
+    gravity,
+    turned,
+)
 from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Finding, Verdict
 
@@ -178,8 +188,8 @@ class Search:
         some = sorted((*INPUTS, *(GRAVITIES if ignores else ())), key=lambda one: exact or "taper" not in one.id)
         for one in some:
             of_wavenumbers = one.id.startswith(("wavenumbers", "sorted", "one-by-one"))
-            if not (of_wavenumbers and ("wavenumbers" in own.fixed or own.band)) and not (
-                one.square and "dy" in own.fixed
+            if not (of_wavenumbers and ("wavenumbers" in own.untold or own.band)) and not (
+                one.square and "dy" in own.untold
             ):
                 yield one
         if ignores and (fitted := self._fitted_gravity()) is not None:
@@ -283,7 +293,7 @@ class Search:
 
     def _ignores_gravity(self) -> bool:
         """Whether another gravity changes nothing."""
-        if "gravity" in self.memory.inner.declaration.fixed:
+        if "gravity" in self.memory.inner.declaration.untold:
             return True
         other = Repair("gravity", "", lambda q: replace(q, gravity=1.37 * q.gravity))
         mine, changed = (velocities(self._finding(self.failed[0], one, NONE).figures)[0] for one in (NONE, other))
@@ -314,7 +324,7 @@ class Search:
             best = low - (high - low) * float((one * slope).sum() / (slope**2).sum())
             low, high = best - (high - low) / 20, best + (high - low) / 20
         value = float(np.exp(best))
-        if any(abs(value / known - 1) < 2e-4 for known in (1.0, 9.81, 9.8, 9.80665, 10.0, 32.2, 981.0)):
+        if any(abs(value / known - 1) < 2e-4 for known in KNOWN_GRAVITIES):
             return None
         return gravity(value)
 
@@ -375,7 +385,7 @@ def _spans(velocities: FloatArray) -> bool:
 def _digits(one: _Candidate) -> float:
     """What nine answers in ten come right to; by their tolerances where none is known exactly."""
     if one.right:
-        return float(np.quantile(one.right, 0.1, method="lower"))
+        return worst(one.right)
     return -float(np.log10(max(np.median(one.near), 1e-3)))
 
 

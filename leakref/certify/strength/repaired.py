@@ -154,7 +154,7 @@ class Repaired(Subject):
 
     def __init__(self, memory: Memory, handed: Repair, answered: Repair = NONE) -> None:
         own = memory.inner.declaration
-        super().__init__(replace(own, fixed=(*own.fixed, "dy")) if handed.square and "dy" not in own.fixed else own)
+        super().__init__(replace(own, fixed=(*own.fixed, "dy")) if handed.square and "dy" not in own.untold else own)
         self.memory, self.repair = memory, joined(handed, answered)
         self.reproduces, self.alike = memory.inner.reproduces, memory.inner.alike or frozenset()
 

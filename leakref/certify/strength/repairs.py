@@ -39,6 +39,7 @@ __all__ = [
     "GRAVITIES",
     "IMAGES",
     "INPUTS",
+    "KNOWN_GRAVITIES",
     "NUMBERS",
     "OUTPUTS",
     "PAIRS",
@@ -177,7 +178,9 @@ def gravity(value: float, digits: int = 4) -> Repair:
     return Repair("gravity", words, **by)
 
 
-GRAVITIES = tuple(map(gravity, (1.0, 9.81, 9.8, 9.80665, 10.0, 32.2, 981.0)))
+KNOWN_GRAVITIES = (1.0, 9.81, 9.8, 9.80665, 10.0, 32.2, 981.0)
+"""That people write down, in m/s2, ft/s2 and cm/s2."""
+GRAVITIES = tuple(map(gravity, KNOWN_GRAVITIES))
 
 
 def _interval(q: Question, which: str, sign: int) -> Question:

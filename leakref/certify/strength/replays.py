@@ -37,7 +37,7 @@ from leakref.certify.checks.criteria import NEVER
 from leakref.certify.checks.draw import PUBLISHED
 from leakref.certify.runner import select
 from leakref.certify.strength import faults
-from leakref.certify.strength.clues import FULL, TWICE, USUAL, Clue
+from leakref.certify.strength.clues import FULL, OTHERWISE, TWICE, USUAL, Clue, worst
 from leakref.certify.subject.declaration import Declaration
 from leakref.certify.subject.frames import Call
 from leakref.certify.subject.inprocess import InProcess
@@ -45,11 +45,10 @@ from leakref.certify.verdict import Finding, Verdict
 from leakref.golden.sets import locate
 from leakref.methods import METHODS
 
-__all__ = ["ENOUGH", "Names", "Scored", "implementation", "methods", "pairs", "question", "tried", "worst"]
+__all__ = ["ENOUGH", "Names", "Scored", "implementation", "methods", "pairs", "question", "tried"]
 
 ENOUGH = 3.0
 """Digits of agreement from which a fault explains an answer: far more than two velocities share by chance."""
-_OTHERWISE = 0.1  # of the answers may be other ones: a shell in another basin does not refute a hypothesis
 _FLOOR = 0.02  # in c0: slower velocities of the reference say nothing of a sign
 _SMALL = 4000  # numbers: more are not kept
 _FILES = 300  # of questions; the oldest are removed
@@ -88,7 +87,7 @@ def tried(
     One after the other the clues are compared. Not followed further are hypotheses that are far behind the best, and
     those that gave more other answers than may be, whatever the rest is.
     """
-    spare = int(_OTHERWISE * (sum(_answers(clue.finding) for clue in clues) - 1))
+    spare = int(OTHERWISE * (sum(_answers(clue.finding) for clue in clues) - 1))
     digits: dict[Names, list[float]] = {names: [] for names in hypotheses}
     for clue in clues:
         for names, seen in digits.items():
@@ -103,11 +102,6 @@ def tried(
     _store().flush()
     plain = worst(digits.pop((), []))
     return sorted(((names, worst(seen)) for names, seen in digits.items()), key=lambda row: -row[1]), plain
-
-
-def worst(digits: Sequence[float]) -> float:
-    """What nine answers in ten agree to."""
-    return float(np.quantile(digits, _OTHERWISE, method="lower")) if digits else 0.0
 
 
 @lru_cache(maxsize=4096)

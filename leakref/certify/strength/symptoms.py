@@ -292,7 +292,7 @@ def _shells(
     theirs = Declaration.read({**declared})
     own = subject.declaration
     can = {**own.can, "extract": {"methods": list(methods), "windows": list(theirs.windows)}}
-    subject.declaration = Declaration(fixed=tuple(n for n in theirs.fixed if n == "dy"), can=can)
+    subject.declaration = Declaration(fixed=("dy",) if "dy" in theirs.untold else (), can=can)
     clue.check(subject, clue.case)
     for (surface, spacing, k, window, method), mine, true in zip(
         subject.shown, clue.finding.calls, subject.calls, strict=False

@@ -125,6 +125,11 @@ class Declaration:
         return bool(self.can.get("extract", {}).get("resolves", "wavenumber") == "band")
 
     @property
+    def untold(self) -> frozenset[str]:
+        """The parameters that it cannot be told, by the first words of `fixed`: "gravity (9.81)" is gravity."""
+        return frozenset(said.split()[0] for said in self.fixed if said.split())
+
+    @property
     def smallest(self) -> tuple[int, int, int]:
         """Samples along x, y and t of the smallest cube that it takes."""
         nx, ny, nt = self.cube.get("smallest", (1, 1, 1))

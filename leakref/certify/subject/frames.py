@@ -155,7 +155,7 @@ class Subject:
                 Verdict.UNSUPPORTED,
                 f"takes no cube below {self.declaration.smallest} samples along x, y, t; this has {surface.shape}",
             )
-        if "dy" in self.declaration.fixed and abs(spacing[1] - spacing[0]) > 1e-9 * spacing[0]:
+        if "dy" in self.declaration.untold and abs(spacing[1] - spacing[0]) > 1e-9 * spacing[0]:
             raise Unanswered(Verdict.UNSUPPORTED, "knows square pixels only, and dy is not dx here")
         length, time, gravity = self.units(scale, gravity)
         steps = [spacing[0] * length, spacing[1] * length, spacing[2] * time]
@@ -319,7 +319,7 @@ def _rows(answer: Mapping[str, Any], asked: FloatArray, d: Declaration) -> tuple
     elif isinstance(given, np.ndarray):
         given = list(given) if given.ndim == 2 else given
     at = _numbers(answer.get("wavenumbers"))
-    if at is None and "wavenumbers" in d.fixed and not d.band:
+    if at is None and "wavenumbers" in d.untold and not d.band:
         raise Unanswered(Verdict.FAIL, "its wavenumbers are fixed, and the answer does not say which they are")
     expected = 1 if d.band else len(at) if at is not None else asked.size
     if not isinstance(given, Sequence) or len(given) != expected:
