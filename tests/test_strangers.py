@@ -136,6 +136,29 @@ def test_what_counts_as_told_rightly():
     assert told(negated, MISTAKES["nsp-negated"]) == "right"
 
 
+SOME = [
+    "nsp-floored",
+    "nsp-line",
+    "nsp-power",
+    "nsp-at-centre",
+    "nsp-gravity-10",
+    "nsp-twelve",
+    "ls-pi",
+    "ls-transposed",
+    "ls-short-duration",
+    "ls-disc",
+]
+"""One or two of each kind, and each hole that a question was made for."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SOME)
+def test_some_mistakes_are_rejected_and_told_nothing_false(name, tmp_path):
+    record = of_mistake(MISTAKES[name], tmp_path)
+    assert record["rejected"]
+    assert record["told"] != "false", record["explanation"]
+
+
 @pytest.mark.slow
 def test_mistakes_are_rejected_and_named(tmp_path):
     found = shares([of_mistake(mistake, tmp_path) for mistake in MISTAKES.values()])
