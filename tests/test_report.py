@@ -78,7 +78,7 @@ def certificate(**more) -> Certificate:
         SAID,
         findings,
         known,
-        [{"fault": HOSTILE, "words": HOSTILE}] * 2,
+        [{"fault": HOSTILE, "words": HOSTILE, "kind": kind} for kind in ("fault", "repair")],
         HOSTILE,
         "extract",
         **more,

@@ -18,6 +18,7 @@ import numpy as np
 from leakref._base import FloatArray
 from leakref.certify.runner import select
 from leakref.certify.strength.clues import EXACT_FOR_ALL, TRUE, Clue, digits, gather, velocities, worst
+from leakref.certify.strength.fits import HOLDS, fits, spans
 from leakref.certify.strength.repaired import NONE, Memory, Repair, Repaired, Spent, joined
 from leakref.certify.strength.repairs import (
     GRAVITIES,
@@ -26,19 +27,15 @@ from leakref.certify.strength.repairs import (
     KNOWN_GRAVITIES,
     OUTPUTS,
     PAIRS,
-    factor,
     gravity,
-    turned,
 )
 from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Finding, Verdict
 
-__all__ = ["FAMILIES", "HOLDS", "Cure", "Search", "cure"]
+__all__ = ["FAMILIES", "Cure", "Search", "cure"]
 
 FAMILIES = ("signs", "recovery", "metamorphic", "currents", "shear", "scale", "leakage")
 """Of the questions that a repair must answer rightly."""
-HOLDS = 1.5
-"""Digits to which a factor must be common to all velocities, and to which answers known exactly must come right."""
 _REMAIN = 4  # one in so many questions may go on failing, and is told
 _UNHARMED, _AT_MOST = 5, 12  # questions that passed and must pass, and those that are asked as far as it goes
 _FIRST = 2  # questions that every repair is tried on, and from which a factor is found
@@ -261,35 +258,14 @@ class Search:
 
     # ------------------------------------------------------------ what is found from the answers
 
-    def _fits(self, handed: Repair) -> Iterator[Repair]:
+    def _fits(self, handed: Repair) -> list[Repair]:
         """A factor, one for each component or, if the code is handed what it was, an angle, that the answers have in
         common to `HOLDS` digits; in the frame of the code."""
         clues = [clue for clue in self.failed[: (1 + (handed is NONE)) * _FIRST] if clue.check.family in TRUE]
         pairs = [velocities(self._finding(clue, handed, NONE).figures) for clue in clues]
         found = np.concatenate([np.empty((0, 2)), *(p[0] for p in pairs)]) @ self._turn
         should = np.concatenate([np.empty((0, 2)), *(p[1] for p in pairs)]) @ self._turn
-        if not _spans(should):
-            return
-        size = float((found**2).sum()) or 1.0
-        common = float((found * should).sum()) / size
-        squares = (found**2).sum(axis=0)
-        each = (found * should).sum(axis=0) / np.where(squares > 0, squares, 1.0)
-        known = _common(found * common, should)
-        if known >= HOLDS:
-            if abs(abs(common) - 1) > 3 * 10**-known:
-                yield factor(common, common, known)
-            return
-        known = _common(found * each, should)
-        if known >= HOLDS and np.abs(each).min() > 1e-3:
-            if np.abs(np.abs(each) - 1).max() <= 3 * 10**-known:
-                return
-            yield factor(float(each[0]), float(each[1]), known)
-            return
-        z = np.sum((should @ [1, 1j]) * (found @ [1, -1j])) / size
-        by = np.array([[z.real, -z.imag], [z.imag, z.real]])
-        known = _common(found @ by.T, should)
-        if handed is NONE and known >= HOLDS and np.abs(z**4 / abs(z) ** 4 - 1) > 3 * 10**-known:
-            yield turned(z, known)
+        return fits(found, should, angles=handed is NONE)
 
     def _ignores_gravity(self) -> bool:
         """Whether another gravity changes nothing."""
@@ -347,12 +323,15 @@ class Search:
             return one.missed * _REMAIN <= one.cured + one.missed
 
     def _ranked(self, found: list[_Candidate]) -> list[_Candidate]:
-        """The smallest, of these those that cure most, of these those that come right to as many digits as the best."""
+        """The smallest, of these those that cure most, of these those that come right to as many digits as the best.
+
+        Beyond `_SURE` digits what is left is the code's own rounding, and tells nothing apart.
+        """
         if not found:
             return []
         best = min(found, key=lambda one: (one.repair.parts, -one.cured, -_digits(one)))
         alike = [one for one in found if (one.repair.parts, one.cured) == (best.repair.parts, best.cured)]
-        return [one for one in alike if _digits(one) >= _digits(best) - _ALIKE]
+        return [one for one in alike if _digits(one) >= min(_digits(best), _SURE) - _ALIKE]
 
 
 def _telling_first(clues: Iterable[Clue]) -> list[Clue]:
@@ -360,7 +339,7 @@ def _telling_first(clues: Iterable[Clue]) -> list[Clue]:
     found = sorted(clues, key=lambda clue: clue.cost)
     truths = [velocities(clue.finding.figures)[1] if clue.check.family in TRUE else np.empty((0, 2)) for clue in found]
     for n, m in combinations([n for n, truth in enumerate(truths) if truth.any()][:_FEW], 2):
-        if _spans(np.concatenate([truths[n], truths[m]])):
+        if spans(np.concatenate([truths[n], truths[m]])):
             return [found[n], found[m], *(_alternating(clue for clue in found if clue not in (found[n], found[m])))]
     return _alternating(found)
 
@@ -375,24 +354,11 @@ def _alternating(clues: Iterable[Clue]) -> list[Clue]:
     return [clue for _, _, clue in sorted(keyed, key=lambda row: row[:2])]
 
 
-def _spans(velocities: FloatArray) -> bool:
-    """Whether two of the velocities (m, 2), but for the slowest, are more than some 17 degrees apart as lines."""
-    speed = np.hypot(*velocities.T)
-    x, y = (velocities / np.maximum(speed, 1e-300)[:, None])[speed > 0.1 * speed.max(initial=1e-9)].T
-    return bool(np.abs(np.outer(x, y) - np.outer(y, x)).max(initial=0.0) > 0.3)
-
-
 def _digits(one: _Candidate) -> float:
     """What nine answers in ten come right to; by their tolerances where none is known exactly."""
     if one.right:
         return worst(one.right)
     return -float(np.log10(max(np.median(one.near), 1e-3)))
-
-
-def _common(found: FloatArray, should: FloatArray) -> float:
-    """Digits to which velocities (m, 2) agree, the worst of them against the largest."""
-    off = float(np.abs(found - should).max()) / (float(np.abs(should).max()) or 1.0)
-    return -float(np.log10(max(off, 1e-12)))
 
 
 def _plausible(finding: Finding, clue: Clue, answered: Repair, turn: FloatArray) -> bool:

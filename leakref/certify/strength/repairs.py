@@ -13,7 +13,8 @@ the mistake line by line: it is enough that a right code would answer the repair
   of the cube is G, and the velocities that come back are multiplied by the same factor.
 - A number in m or rad/s that suits other waves is cured by showing the sea smaller or larger by Froude's law, with all
   lengths multiplied by b and all times by sqrt(b), under which gravity is the same.
-- A code that reads every second frame and believes that it reads all is cured by a time step that is twice as long.
+- A code that reads every second frame and believes that it reads all is cured by a frame interpolated between any two:
+  then it reads those that there were, at the step that they had.
 - A taper that is missing along an axis is cured by a cube that is tapered along it beforehand.
 
 Some mistakes have no such inverse: an angle in degrees put into a cosine cannot be taken out of it. These are left to
@@ -33,6 +34,7 @@ import scipy.fft
 
 from leakref._base import FloatArray
 from leakref.certify.strength.repaired import Back, Question, Repair, joined
+from leakref.dispersion import Scales, Water
 from leakref.window import window as named_window
 
 __all__ = [
@@ -136,7 +138,7 @@ _OTHERS = (
     Repair("multiplied-by-wavenumber", "its velocities are multiplied by the wavenumber",
            back=lambda v, q: v * _at(q, v)),
     Repair("unit:phase-speeds", "its velocities are multiplied by the phase speed of the waves, in whose unit they are",
-           back=lambda v, q: v * np.sqrt(q.gravity / _at(q, v))),
+           back=lambda v, q: v * Water(q.gravity).phase_velocity(_at(q, v))),
     Repair("polar", f"{_READ}, in radians from x", back=_polar(lambda a: a)),
     Repair("polar-degrees", f"{_READ}, in degrees from x", back=_polar(np.radians)),
     Repair("compass", f"{_READ}, in degrees clockwise from y", back=_polar(lambda a: np.pi / 2 - np.radians(a))),
@@ -174,7 +176,8 @@ def _in_units(length: Callable[[Question], float], time: Callable[[Question], fl
 def gravity(value: float, digits: int = 4) -> Repair:
     """In units of time in which gravity is what the code seems to take it for."""
     words = f"gravity is {value:.{digits}g}, whatever it is told (by the unit of time)"
-    by = _in_units(lambda q: 1.0, lambda q: float(np.sqrt(q.gravity / value)), needs="gravity")
+    unit = Scales(gravity=value).time
+    by = _in_units(lambda q: 1.0, lambda q: unit / Scales(gravity=q.gravity).time, needs="gravity")
     return Repair("gravity", words, **by)
 
 
@@ -238,9 +241,12 @@ def _made(q: Question, axes: tuple[int, ...], odd: int) -> Question:
 
 
 def _skipped(q: Question, every: int) -> Question:
-    """With a whole number of times `every` frames, and as many times dt."""
+    """With frames interpolated, so that every second (or third) is one that there was; the step is said to be theirs.
+
+    Whoever reads these and no others reads the whole cube, whatever waves there are.
+    """
     nx, ny, nt = q.eta.shape
-    return _stepped(_resampled(q, (nx, ny, -(-nt // every) * every)), t=every)
+    return _stepped(_resampled(q, (nx, ny, nt * every)), t=every)
 
 
 def _ascending(q: Question) -> Question:
@@ -260,8 +266,9 @@ def _times(q: Question, by: float) -> Question:
 
 
 def _froude(scale: float) -> dict[str, Any]:
-    """Shown smaller (or larger) by Froude's law: gravity is the same."""
-    return _in_units(lambda q: 1 / scale, lambda q: scale**-0.5)
+    """Shown smaller by a factor (or larger, below 1) by Froude's law: gravity is the same."""
+    smaller = Scales(peak_wavenumber=scale)
+    return _in_units(lambda q: smaller.length, lambda q: smaller.time)
 
 
 _TAU = 2 * np.pi
@@ -302,9 +309,11 @@ _INPUT = (
            partial(_sides, x=1, y=1)),
     Repair("ny-for-nx", "dx is multiplied by nx / ny: ny is used for nx", partial(_sides, x=1, y=0)),
     Repair("nx-for-ny", "dy is multiplied by ny / nx: nx is used for ny", partial(_sides, x=0, y=1)),
-    Repair("frames-dt:2", "dt is doubled, as if every second frame were read", partial(_skipped, every=2)),
-    Repair("frames-dt:3", "dt is tripled, as if every third frame were read", partial(_skipped, every=3)),
-    Repair("frames-dt:1/2", "dt is halved", partial(_stepped, t=0.5)),
+    Repair("dt-doubled", "dt is doubled", partial(_stepped, t=2.0)),
+    Repair("dt-halved", "dt is halved", partial(_stepped, t=0.5)),
+    Repair("frames-dt:2", "a frame is interpolated between any two: it reads every second", partial(_skipped, every=2)),
+    Repair("frames-dt:3", "two frames are interpolated between any two: it reads every third",
+           partial(_skipped, every=3)),
     Repair("x-reversed", "the cube is reversed along x", partial(_flipped, axis=0)),
     Repair("y-reversed", "the cube is reversed along y", partial(_flipped, axis=1)),
     Repair("time-reversed", "the frames are given in reverse order", partial(_flipped, axis=2)),
