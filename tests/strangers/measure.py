@@ -2,6 +2,7 @@
 
     cd tests; python -m strangers.measure mistakes FOLDER [ID...]     # all mistakes: rejected? by what? named?
     python -m strangers.measure right FOLDER [ID...] --seeds 1 2 3    # all right codes
+    cd tests; python -m strangers.measure shared FOLDER --seeds 2 1001 --workers 2    # a seed each, in turn
 
 Results are kept in FOLDER, a JSON file each, and not made again: take another folder for another state of leakref.
 """
@@ -13,13 +14,19 @@ import hashlib
 import json
 import re
 import warnings
+from concurrent.futures import ProcessPoolExecutor
 from contextlib import nullcontext
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
+import numpy as np
+from scipy.stats import beta
+
+from leakref import runs
 from leakref.certify.runner import certify, select
 from leakref.certify.strength.diagnosis import explain
+from leakref.certify.strength.study import variant_record
 from leakref.certify.subject.inprocess import InProcess
 from leakref.certify.verdict import Verdict
 from strangers.mistakes import HERE, MISTAKES, Mistake
@@ -88,6 +95,19 @@ def of_right(name: str, seed: int, folder: Path | None = None) -> dict[str, Any]
     return kept(folder, f"{name}-{seed}", text, lambda: judge(RIGHT[name](), name, seed=seed, diagnosis=False))
 
 
+def of_shared(seed: int, folder: Path) -> dict[str, Any]:
+    """The questions that a seed draws, asked of the right code whose turn it is, as the study asks its variants."""
+    name = list(RIGHT)[seed % len(RIGHT)]
+    text = "".join((HERE / f"{part}.py").read_text() for part in ("right", "parts"))
+
+    def asked() -> dict[str, Any]:
+        with runs.one_thread(), warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # a code that warns is not broken
+            return variant_record(f"right {name}", seed, make=lambda _: RIGHT[name]())
+
+    return kept(folder, f"{name}-{seed}", text, asked)
+
+
 def shares(records: list[dict[str, Any]]) -> dict[str, Any]:
     """Of the mistakes that are not mild: the share rejected; of all with something wrong: named rightly; told false."""
     grave = [r for r in records if not MISTAKES[r["id"]].mild]
@@ -103,11 +123,23 @@ def shares(records: list[dict[str, Any]]) -> dict[str, Any]:
 
 def main() -> None:
     parser = argparse.ArgumentParser()
-    parser.add_argument("what", choices=("mistakes", "right"))
+    parser.add_argument("what", choices=("mistakes", "right", "shared"))
     parser.add_argument("folder", type=Path)
     parser.add_argument("ids", nargs="*")
     parser.add_argument("--seeds", type=int, nargs="+", default=[1])
+    parser.add_argument("--workers", type=int, default=1)
     given = parser.parse_args()
+    if given.what == "shared":
+        seeds = range(given.seeds[0], given.seeds[-1] + 1)
+        with ProcessPoolExecutor(given.workers) as pool:
+            records = list(pool.map(of_shared, seeds, [given.folder] * len(seeds)))
+        rejected = [r for r in records if r["wrong"]]
+        low, high = beta.ppf([0.025, 0.975], [len(rejected) or np.nan, len(rejected) + 1],
+                             [len(records) - len(rejected) + 1, len(records) - len(rejected)])  # fmt: skip
+        print(json.dumps(rejected, indent=1))
+        print(f"{len(rejected)} of {len(records)} runs with something wrong, {sum(r['checks'] for r in records)} "
+              f"answers judged; 95 %: {np.nan_to_num(low):.1e} to {high:.1e}")  # fmt: skip
+        return
     if given.what == "mistakes":
         records = []
         for name in given.ids or MISTAKES:
