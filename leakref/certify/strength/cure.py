@@ -178,18 +178,21 @@ class Search:
             self.failed = [clue for clue in self.failed if clue not in again]
 
     def _inputs(self) -> Iterator[Repair]:
-        """Those that can matter to a code of this declaration; of gravity if it is seen to ignore it."""
+        """Those that can matter to a code of this declaration; any value of gravity only if it is seen to ignore it.
+
+        The values that people write down are tried on all: a code may ignore gravity where it counts and use it where
+        its search begins.
+        """
         own = self.memory.inner.declaration
-        ignores = self._ignores_gravity()
         exact = self.failed[0].check.id in EXACT_FOR_ALL  # else what is wrong shows where a cube is tapered
-        some = sorted((*INPUTS, *(GRAVITIES if ignores else ())), key=lambda one: exact or "taper" not in one.id)
+        some = sorted((*INPUTS, *GRAVITIES), key=lambda one: exact or "taper" not in one.id)
         for one in some:
             of_wavenumbers = one.id.startswith(("wavenumbers", "sorted", "one-by-one"))
             if not (of_wavenumbers and ("wavenumbers" in own.untold or own.band)) and not (
                 one.square and "dy" in own.untold
             ):
                 yield one
-        if ignores and (fitted := self._fitted_gravity()) is not None:
+        if self._ignores_gravity() and (fitted := self._fitted_gravity()) is not None:
             yield fitted
 
     # ------------------------------------------------------------ trying

@@ -72,7 +72,7 @@ class Repair:
 
     `matrix` is there if `back` is a linear map, the same for all questions. `at` is the factor between wavenumbers of
     the answer, if it has its own, and those asked for; `square` asks on square pixels; `alone` one wavenumber at a
-    time. `needs` names the parameter that the code must be seen to ignore.
+    time.
     """
 
     id: str
@@ -83,7 +83,6 @@ class Repair:
     at: Callable[[Question], float] = _the_same
     square: bool = False
     alone: bool = False
-    needs: str = ""
     parts: int = 1
 
 
@@ -99,7 +98,6 @@ def joined(first: Repair, second: Repair) -> Repair:
         at=lambda q: first.at(second.change(q)) * second.at(q),
         square=first.square or second.square,
         alone=first.alone or second.alone,
-        needs=first.needs or second.needs,
         parts=first.parts + second.parts,
     )
 

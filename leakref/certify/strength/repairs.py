@@ -177,7 +177,7 @@ def gravity(value: float, digits: int = 4) -> Repair:
     """In units of time in which gravity is what the code seems to take it for."""
     words = f"gravity is {value:.{digits}g}, whatever it is told (by the unit of time)"
     unit = Scales(gravity=value).time
-    by = _in_units(lambda q: 1.0, lambda q: unit / Scales(gravity=q.gravity).time, needs="gravity")
+    by = _in_units(lambda q: 1.0, lambda q: unit / Scales(gravity=q.gravity).time)
     return Repair("gravity", words, **by)
 
 
