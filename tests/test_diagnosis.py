@@ -369,6 +369,40 @@ def test_of_one_finding_it_is_said_that_it_is_too_little(few):
     assert "`leakref explain recovery.pair`" in said
 
 
+def test_what_fails_one_kind_of_question_alone_is_told_what_it_is_there_for(few):
+    """Velocities that change where there are strong waves among weak ones: no fault of these few, and no repair."""
+    code = altered(FAULTS["power-for-magnitude"].changes).chain.reference
+    _, _, findings = wrong(code, "recovery.weights", "recovery.pair", "signs.aligned", "conformance.extract")
+    said = explain(certificate_of(code, findings)).explanation
+    assert "beside golden values it fails no more than recovery.weights (Four strong waves" in said
+    assert "power or its square is taken instead" in said
+
+
+def test_a_unit_of_the_surface_that_matters_is_told():
+    """A floor in absolute numbers, which surfaces a million times as low are below."""
+
+    def floor(surface, spacing, wavenumbers, *, gravity, window):
+        low = np.abs(np.asarray(surface)).max() < 1e-5
+        found = reference.extract(surface, spacing, wavenumbers, gravity=gravity, window=window, method="nsp")
+        return np.zeros_like(found) if low else found
+
+    (said,) = symptoms_of(floor, "metamorphic.amplitude")
+    assert (said.kind, said.fault) == ("symptom", "metamorphic.amplitude")
+    assert "a threshold or a floor in absolute numbers" in said.words
+
+
+def test_a_fault_is_not_named_for_one_answer_that_any_code_may_give(few, monkeypatch):
+    """Of another make, with the first guess for nearly all answers: a fault that does so too explains nothing."""
+    monkeypatch.setattr(faults, "FAULTS", {"smoothed": FAULTS["smoothed"], "zero": FAULTS["stops-at-start"]})
+    noise = np.random.default_rng(4)
+    stays = altered(FAULTS["stops-at-start"].changes).chain.reference
+    nearly = answering(lambda found, k: np.where(noise.random((len(k), 1)) < 0.9, 0.0, 1e-4) * np.ones_like(found))
+    failed, declared, _ = wrong(nearly, *ENOUGH_TO_SEE)
+    assert diagnose(failed, declared).hypotheses == ()
+    failed, declared, _ = wrong(stays, *ENOUGH_TO_SEE)
+    assert [one.fault for one in diagnose(failed, declared).hypotheses] == ["zero"]  # to the last digit
+
+
 # ---------------------------------------------------------------- kept in files
 
 

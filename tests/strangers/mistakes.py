@@ -132,7 +132,7 @@ NSP = (
     nsp("squared", FIRST_TAPER, "eta = eta**2 * cosine_window(window, nx)[:, None, None]", "the surface is squared",
         "rectified", "squared"),
     nsp("padded", "bins = fft.rfftn(eta)", "bins = fft.rfftn(np.pad(eta, [(0, 0), (0, 0), (0, nt)]))[:, :, : nt // 2 + "
-        "1]", "padded in time to twice its length, the frequencies as before", "dt-doubled", "\\bpad"),
+        "1]", "padded in time to twice its length, the frequencies as before", "dt-doubled frames-dt:2", "\\bpad"),
     # window
     nsp("space-only", "eta *= cosine_window(window, nt)[None, None, :]", "pass", "the window is not applied in time",
         "taper-in-space-only"),

@@ -11,6 +11,7 @@ code itself, and `symptoms` says what stands in the findings. What none of these
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
@@ -38,6 +39,8 @@ _SAID = 5  # explanations that are the same here, named before the rest is count
 _STAGES = ("window", "synthesize", "spectrum", "extract")
 _SESSIONS = 2.0  # judging takes as many at once, the search for a cure one
 _LEAST = 2e7
+_FEW = 2  # checks that failed: so few are told with what they are there for
+_COINCIDENCE = 6.0  # digits below which a fault that gives one answer again and again explains nothing by it
 _LOOK = {
     "signs": "D2", "recovery": "D3, D9", "metamorphic": "D1, D5", "leakage": "D1, D16", "currents": "D2, D6",
     "shear": "D9", "scale": "D4", "synthesis": "D15", "conformance": "D1",
@@ -177,6 +180,12 @@ def _unexplained(certificate: Certificate, besides: bool) -> str:
         more = "without --only" if certificate.only else "--profile full" if certificate.profile != "full" else ""
         words += f"; {len(wrong)} failed question{'s' * (len(wrong) > 1)} is too little to go on"
         words += f": run it {more}" if more else f": run it with another seed, and see `leakref explain {farthest.id}`"
+    apart = dict.fromkeys(f.id.partition("[")[0] for f in wrong if f.family != "conformance")
+    if 1 <= len(apart) <= _FEW and len(wrong) > 2:
+        reasons = {check.id: check.reason for check, _ in select(list(apart))}
+        words += "; beside golden values it fails no more than " + ", and ".join(
+            f"{name} ({reasons[name].rstrip('.')})" for name in apart
+        )
     families = dict.fromkeys(f.family for f in wrong)
     first = next(iter(families), "")
     look = [f"`leakref explain {next(f.id for f in wrong).partition('[')[0]}`"]
@@ -225,6 +234,7 @@ def diagnose(
         hypotheses = [(), *given]
         for way in ways:
             best, plain = replays.tried(gather(evidence, seed, golden, _EVIDENCE), hypotheses, way, after_each)
+            best = [row for row in best if row[1] >= _COINCIDENCE or not _one_answer(evidence)]
             if _explains(best, plain):
                 equal = [_hypothesis(names, digits) for names, digits in best if digits >= best[0][1] - _ALIKE]
                 return Diagnosis(tuple(equal), where + _sentence(equal))
@@ -256,6 +266,12 @@ def _attempts(findings: Sequence[Finding], deep: bool) -> Iterator[tuple[str, Se
 
 def _hypothesis(names: Names, digits: float) -> Hypothesis:
     return Hypothesis("+".join(names), " and ".join(faults.FAULTS[name].words for name in names), _shown(digits))
+
+
+def _one_answer(findings: Sequence[Finding]) -> bool:
+    """Whether most velocities are one and the same, as those of any code are that gives up where it began."""
+    rows = [tuple(row) for f in findings for call in f.calls if call.stage == "extract" for row in call.answer.tolist()]
+    return len(rows) >= _EVIDENCE and max(Counter(rows).values()) > len(rows) / 2
 
 
 def _explains(best: Scored, plain: float) -> bool:

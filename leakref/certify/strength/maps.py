@@ -37,7 +37,7 @@ def common_map(mine: FloatArray, true: FloatArray, scales: FloatArray) -> tuple[
     `scales` (m,) are those at which the seas were shown. Returned are the name of the fault that it is, what it is in
     words, and to how many digits it holds.
     """
-    if len(mine) < 2 or np.linalg.matrix_rank(true, tol=0.1 * np.abs(true).max()) < 2:
+    if len(mine) < 2 or not mine.any() or np.linalg.matrix_rank(true, tol=0.1 * np.abs(true).max()) < 2:
         return None
     maps = {name: (words, true @ np.array(matrix).T) for name, (words, matrix) in MAPS.items()}
     rest, name = min((_left_over(mine, mapped), name) for name, (_, mapped) in maps.items())

@@ -80,6 +80,9 @@ def _behaviours(failed: Sequence[Finding]) -> Iterator[Hypothesis]:
             yield _said(check, "its velocity at a wavenumber depends on which others are asked for, or in which order")
         elif check == "behaviour.past-nyquist":
             yield _said(check, "it gives NaN for a velocity past the Nyquist wavenumber")
+        elif check == "metamorphic.amplitude":
+            yield _said(check, "its answers change with the unit of the surface: a threshold or a floor in absolute "
+                               "numbers, a logarithm, or integers that round or wrap")  # fmt: skip
 
 
 def _unanswered(failed: Sequence[Finding]) -> Iterator[Hypothesis]:
@@ -189,7 +192,8 @@ def _commonest(size: FloatArray) -> tuple[float, FloatArray]:
 
 def _step(size: FloatArray) -> float | None:
     """Of which all components are whole multiples, if they are."""
-    flat = np.unique(np.round(size[size > 0] / max(float(size.max()), 1e-300), 9)) * float(size.max())
+    flat = np.unique(np.round(size / max(float(size.max()), 1e-300), 9)) * float(size.max())
+    flat = flat[flat > 0]
     if flat.size < 3:
         return None
     step = float(min(flat[0], np.diff(flat).min()))
