@@ -361,6 +361,31 @@ def test_maxima_of_the_score_that_another_search_finds_are_told():
     assert other_maxima(right, declared, ("nsp",), seed=1, golden=1) == []
 
 
+def test_a_search_that_stops_early_is_told():
+    """After as many steps as do not lead there; one that is half as long as it should be is no search that stops."""
+    early = answering(lambda found, k: found * (0.6 + 0.05 * np.sin(9 * k))[:, None])
+    failed, declared, _ = wrong(early, "signs.aligned", "recovery.pair", "currents.aligned")
+    (said,) = other_maxima(failed, declared, ("nsp",), seed=1, golden=1)
+    assert said.fault == "stops-early"
+    assert "the search stops before it is there" in said.words
+    halved = answering(lambda found, k: found / 2)
+    _, _, findings = wrong(halved, "signs.aligned", "recovery.pair", "currents.aligned")
+    assert "stops before" not in explain(certificate_of(halved, findings), InProcess(halved)).explanation
+
+
+def test_a_cube_that_is_kept_is_told():
+    class Keeps:
+        first = None
+
+        def extract(self, surface, spacing, wavenumbers, *, gravity, window):
+            self.first = surface if self.first is None else self.first
+            return reference.extract(self.first, spacing, wavenumbers, gravity=gravity, window=window, method="nsp")
+
+    said = {one.fault: one.words for one in symptoms_of(Keeps(), "signs.sea", "signs.aligned", "recovery.sea")}
+    assert said.keys() == {"state-kept"}
+    assert "it keeps an earlier cube" in said["state-kept"]
+
+
 def test_of_one_finding_it_is_said_that_it_is_too_little(few):
     odd = telling(lambda found, k: found + np.array([0.0, 0.1]))
     _, _, findings = wrong(odd, "recovery.pair[even-1]")

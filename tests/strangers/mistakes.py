@@ -197,7 +197,7 @@ NSP = (
     nsp("least", "lambda c: -overlap(unit * c)", "lambda c: overlap(unit * c)", "the least overlap", "least-overlap"),
     nsp("long-step", "FIRST_STEP = 1e-3", "FIRST_STEP = 1.0", "the search begins with steps of a phase speed",
         "far-start", "first step|simplex|starts? (too )?far"),
-    nsp("lazy", '"maxfev": 2000', '"maxfev": 15', "the search stops early", "stops-at-start",
+    nsp("lazy", '"maxfev": 2000', '"maxfev": 15', "the search stops early", "stops-at-start stops-early",
         "stops|tolerance"),
     nsp("clipped", "return unit * found.x", "return np.clip(unit * found.x, -1, 1)", "at most 1 m/s",
         "narrow-bounds", "edge|corner|search range"),

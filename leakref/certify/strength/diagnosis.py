@@ -97,6 +97,8 @@ def explain(
     seen = symptoms(certificate.findings, declared) + other_maxima(wrong, declared, certificate.methods, **given)
     exact = [one for one in said.hypotheses if one.digits is None or one.digits >= ENOUGH]
     rough = [one for one in said.hypotheses if one not in exact and not repairs]
+    if exact or repairs:  # which say why it is where it is
+        seen = [one for one in seen if one.fault != "stops-early"]
     found = [*exact, *(hypothesis for hypothesis, _ in repairs), *rough, *seen]
     parts = [said.words + _frame(said, declared)] if exact or rough else []
     parts += [_repair_in_words(repairs)] if repairs else []

@@ -36,6 +36,7 @@ _AT_LEAST = 4
 _ENERGIES = {2 / 3: "2/3", 0.5: "1/2", 1 / 3: "1/3", 0.25: "1/4", 2.0: "2", 4.0: "4", 1.5: "3/2"}
 _STAYS = 2e-3  # in c0: so near to a maximum is at it
 _AWAY = 0.05  # in c0: so far from the reference's is at another
+_TOWARDS = 0.7  # cosine of the angle between a velocity and another in whose direction it is
 _MANY = 8  # questions that are looked at again
 
 
@@ -52,7 +53,7 @@ def symptoms(findings: Sequence[Finding], declared: Mapping[str, Any]) -> list[H
         *_behaviours(failed),
         *_energy(failed),
         *_signs_lost(failed),
-        *_repeated(failed, declared),
+        *(list(_stale(failed)) or _repeated(failed, declared)),  # which repeats values because it repeats cubes
         *_scales(findings),
     ]
     return list({(one.fault, one.words): one for one in found}.values())
@@ -151,7 +152,7 @@ def _repeated(failed: Sequence[Finding], declared: Mapping[str, Any]) -> Iterato
         "m/s" if declared["units"] == "si" else "in its units",
     )
     rows, asked = [np.empty((0, 2))], [np.empty(0)]
-    free = [f for f in failed if f.id.partition("[")[0] not in _IN_STEPS]
+    free = [f for f in failed if f.id.partition("[")[0] not in (*_IN_STEPS, "scale.gravity")]  # of another unit
     for n, call in enumerate(call for f in free for call in f.calls if call.stage == "extract"):
         length, time, _ = subject.units(call.asked["scale"])
         there = np.isfinite(call.answer).all(axis=1)
@@ -172,11 +173,34 @@ def _repeated(failed: Sequence[Finding], declared: Mapping[str, Any]) -> Iterato
     value, at = _commonest(size)
     if value > 0 and at.sum() >= max(_AT_LEAST, _OFTEN * len(v)) and np.unique(of[at]).size >= 3:
         edge = value >= size.max() * (1 - _SAME)
-        what = "the edge of what it searches" if edge else "a value at which it sticks"
+        what = "the edge of what it searches" if edge else "a value at which it sticks, as at the edge of a range"
         yield _said(
             "edge-of-range",
             f"{int(at.sum())} of {len(v)} answers that fell short have a component of {value:.4g} {unit} to the last "
             f"digit: {what}",
+        )
+
+
+def _stale(failed: Sequence[Finding]) -> Iterator[Hypothesis]:
+    """The same velocity for different cubes wherever the wavenumber is the same, and others at other wavenumbers.
+
+    The checks ask at the same wavenumbers of cubes with other currents and other waves: a code that looks at the cube
+    cannot answer them alike to the last digit.
+    """
+    at: dict[tuple[float, ...], dict[str, tuple[float, ...]]] = {}
+    for f in failed:
+        for call in f.calls:
+            if call.stage == "extract" and f.family in TRUE and np.isfinite(call.answer).all():
+                for k, velocity in zip(np.atleast_1d(call.asked["wavenumbers"]), call.answer, strict=False):
+                    at.setdefault((round(float(k), 9), call.asked["scale"]), {})[f.id] = tuple(velocity.tolist())
+    several = [np.array(list(of.values())) for of in at.values() if len(of) > 2]
+    same = [one for one in several if np.ptp(one, axis=0).max() <= _SAME * np.abs(one).max() > 0]
+    if len(same) >= _AT_LEAST and len(same) >= _MOSTLY * len(several) and len({tuple(one[0]) for one in same}) > 2:
+        cubes = max(map(len, same))
+        yield _said(
+            "state-kept",
+            f"asked at one wavenumber about {cubes} different cubes it gives one velocity, to the last digit: it "
+            "keeps an earlier cube, or its spectrum",
         )
 
 
@@ -219,11 +243,11 @@ def _scales(findings: Sequence[Finding]) -> Iterator[Hypothesis]:
         return
     longer, shorter = at & {"sixteenth", "quarter"}, at & {"4", "16"}
     what = (
-        "a width, a range or a limit"
+        "a width, a range, a limit or a second branch"
         if longer and shorter
-        else "a width too wide there, or a range of velocities too narrow,"
+        else "a width too wide there, a range of velocities too narrow, or a depth,"
         if longer
-        else "a width too narrow there, or a limit of frequency or wavenumber too low,"
+        else "a width too narrow there, a limit of frequency or wavenumber, a spurious branch, or surface tension,"
     )
     said = " and ".join(words for name, words in other.items() if name in at)
     yield _said(
@@ -251,24 +275,30 @@ class _Recording(InProcess):
 def other_maxima(
     findings: Sequence[Finding], declared: Mapping[str, Any], methods: Sequence[str], *, seed: int, golden: int
 ) -> list[Hypothesis]:
-    """Whether velocities that failed are maxima of N all the same, or of N with the second branch as it is printed.
+    """Whether velocities that failed are maxima of N all the same, or of N with the second branch as it is printed, or
+    lie on the way to them.
 
     Only of a code that is an NSP, by what it says or what it was taken for. A maximum that scores lower than the
-    reference's is where another search ends; that of the printed branch (decision D2) is none of N.
+    reference's is where another search ends; that of the printed branch (decision D2) is none of N. What scores higher
+    than zero current and points to the maximum, but is no maximum, is where a search stops that takes too few steps.
     """
     if "nsp" not in methods or "extract" not in declared["can"]:
         return []
-    other, printed, known = 0, 0, 0
+    other, printed, early, known = 0, 0, 0, 0
     failed = [clue for clue in gather(findings, seed, golden) if clue.finding.calls and clue.check.stage == "extract"]
     for clue in [clue for clue in failed if clue.check.family in ("currents", "signs", "recovery", "shear")][:_MANY]:
         for shell, a, mine, should in _shells(clue, declared, methods):
             if not np.hypot(*mine) <= score_range(shell, a, 1.0) or np.hypot(*(mine - should)) < _AWAY:
                 continue
             known += 1
-            lower = normalized_scalar_product(shell, mine, a) < normalized_scalar_product(shell, should, a) * (1 - 1e-6)
+            zero, score, best = (normalized_scalar_product(shell, c, a) for c in (0 * mine, mine, should))
             at = _is_maximum(shell, mine, a)
-            other += at and lower
+            other += at and score < best * (1 - 1e-6)
             printed += not at and _is_maximum_as_printed(shell, mine, a)
+            on_the_way = bool(
+                mine @ should > _TOWARDS * np.hypot(*mine) * np.hypot(*should) and mine @ mine < should @ should
+            )
+            early += not at and zero < score < best and on_the_way
     said = {
         "other-maximum": (
             other,
@@ -278,6 +308,11 @@ def other_maxima(
         "printed-branch": (
             printed,
             "maxima of the score with the second branch of G as it is printed, omega + omega0 + k.c (decision D2)",
+        ),
+        "stops-early": (
+            early,
+            "on the way from zero to a maximum of the score, and at none: the search stops before it is there (its "
+            "tolerance, or its number of steps)",
         ),
     }
     return [
