@@ -107,6 +107,13 @@ QUESTIONS = {
     "frames-dt:2": lambda eta, d, k, g, w: (eta[:, :, ::2], d, k, g, w),
     "frames-dt:3": lambda eta, d, k, g, w: (eta[:, :, ::3], d, k, g, w),
     "dt-doubled": steps(t=0.5),
+    "frames-interlaced": lambda eta, d, k, g, w: (
+        eta[:, :, np.argsort(np.arange(eta.shape[2]) % 2, kind="stable")],
+        d,
+        k,
+        g,
+        w,
+    ),
     "dt-halved": steps(t=2),
     "time-reversed": lambda eta, d, k, g, w: (eta[:, :, ::-1], d, k, g, w),
     "cube-exchanged": lambda eta, d, k, g, w: (np.swapaxes(eta, 0, 1), d, k, g, w),
@@ -146,9 +153,47 @@ def test_of_a_gravity_that_is_taken_for_granted_the_value_is_told(value, said):
     assert best[0].repair.words.startswith(said)
 
 
-def test_a_window_that_is_lacking_is_named_where_it_shows():
+def test_a_window_that_is_lacking_is_named_where_it_shows(of_windows):
     best, _ = cured(Code(lambda eta, d, k, g, w: (eta, d, k, g, "box")), "leakage", "recovery.pair")
     assert best[0].repair.id == "no-taper"
+
+
+@pytest.fixture
+def of_windows(monkeypatch):
+    """Repairs of windows alone: cubes that leak are large."""
+    monkeypatch.setattr("leakref.certify.strength.cure.INPUTS", [one for one in INPUTS if "taper" in one.id])
+
+
+def tapers(axes):
+    """A code that tapers along some axes only, whatever window it is asked for."""
+
+    def before(eta, d, k, g, w):
+        for axis in axes if w != "box" else ():
+            n = eta.shape[axis]
+            eta = eta * named_window(w).samples(n).reshape([-1 if other == axis else 1 for other in range(3)])
+        return eta, d, k, g, "box"
+
+    return Code(before)
+
+
+@pytest.mark.parametrize(("axes", "name"), [((1, 2), "taper-not-along-x"), ((0, 2), "taper-not-along-y")])
+def test_a_window_that_is_lacking_along_an_axis_is_named_first(axes, name, of_windows):
+    best, _ = cured(tapers(axes), "leakage", "metamorphic.symmetry")
+    assert [one.repair.id for one in best][:1] == [name], [(one.repair.id, one.counted) for one in best]
+
+
+@pytest.mark.parametrize(
+    ("axes", "name", "check"),
+    [((2,), "taper-in-time-only", "leakage.still"), ((0, 1), "taper-in-space-only", "leakage.flicker")],
+)
+def test_a_window_that_is_lacking_in_space_or_in_time_comes_right_with_it(axes, name, check):
+    """Two questions see it, or one: too little to go on for the search, so that each is asked here."""
+    findings, subject = judged(tapers(axes), check)
+    search = Search(findings, subject, 1, 1, PLENTY, lambda: None)
+    repair = next(one for one in INPUTS if one.id == name)
+    assert search.failed
+    assert all(search._finding(clue, repair, NONE).verdict is Verdict.PASS for clue in search.failed)
+    assert all(search._finding(clue, NONE, NONE).verdict is Verdict.FAIL for clue in search.failed)
 
 
 def test_two_mistakes_need_two_repairs():

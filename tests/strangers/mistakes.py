@@ -280,8 +280,8 @@ LS = (
        "the duration is (n - 1) dt", "duration-short dt-interval"),
     # what is read
     ls("skipped-frames", MOVIE, MOVIE + "[::3]", "every third frame, with the step of all", "frames-dt:3", "skip"),
-    ls("interlaced", MOVIE, MOVIE + "[sorted(range(len(surface)), key=lambda n: n % 2)]", "even frames first", "",
-       "out of order|frames? .*order"),
+    ls("interlaced", MOVIE, MOVIE + "[sorted(range(len(surface)), key=lambda n: n % 2)]", "even frames first",
+       "frames-interlaced", "out of order|frames? .*order"),
     ls("bytes", "tapered = movie * in_time[:, None, None]", "tapered = (movie.astype(int) % 256) * in_time[:, "
        "None, None]", "images become bytes unscaled, and wrap", "", "\\bwrap|integer|\\bbytes?"),
     ls("saturated", "tapered = movie * in_time[:, None, None]", "tapered = np.clip(movie, -0.5, 0.5) * in_time[:, "
@@ -291,7 +291,7 @@ LS = (
        "taper-in-space-only"),
     ls("not-down", "tapered = tapered * down[:, None]", "pass", "the window is not applied along y",
        "taper-not-along-y"),
-    ls("not-across", "tapered = tapered * across", "pass", "the window is not applied along x", "",
+    ls("not-across", "tapered = tapered * across", "pass", "the window is not applied along x", "taper-not-along-x",
        "window.{0,30}along x"),
     ls("rising", "np.pi * np.arange(n) / n)", "np.pi * np.arange(n) / n / 2)", "the window rises and breaks off",
        "taper-half-period"),

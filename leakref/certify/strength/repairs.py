@@ -15,7 +15,8 @@ the mistake line by line: it is enough that a right code would answer the repair
   lengths multiplied by b and all times by sqrt(b), under which gravity is the same.
 - A code that reads every second frame and believes that it reads all is cured by a frame interpolated between any two:
   then it reads those that there were, at the step that they had.
-- A taper that is missing along an axis is cured by a cube that is tapered along it beforehand.
+- A taper that is missing along an axis is cured by a cube that is tapered along it beforehand, and any window that is
+  wrong by a cube that is tapered along all of them and no window asked for.
 
 Some mistakes have no such inverse: an angle in degrees put into a cosine cannot be taken out of it. These are left to
 the faults of the reference (`replays`), which know them by what they do.
@@ -214,12 +215,14 @@ def _flipped(q: Question, axis: int) -> Question:
 
 
 def _tapered(q: Question, axes: tuple[int, ...]) -> Question:
-    """Times the window that was asked for, along some axes."""
+    """Times the window that was asked for: along some axes, beside what the code does along the others, or along all,
+    with nothing left to do for it.
+    """
     eta = q.eta
     for axis in axes if q.window != "box" else ():
         samples = named_window(q.window).samples(eta.shape[axis])
         eta = eta * samples.reshape([-1 if n == axis else 1 for n in range(3)])
-    return replace(q, eta=eta, window="box")
+    return replace(q, eta=eta, window="box" if len(axes) == 3 else q.window)
 
 
 def _resampled(q: Question, sizes: tuple[int, ...]) -> Question:
@@ -247,6 +250,12 @@ def _skipped(q: Question, every: int) -> Question:
     """
     nx, ny, nt = q.eta.shape
     return _stepped(_resampled(q, (nx, ny, nt * every)), t=every)
+
+
+def _interlaced(q: Question) -> Question:
+    """With the frames in such an order that they are in the right one when those of even number are put first."""
+    first = np.argsort(np.arange(q.eta.shape[2]) % 2, kind="stable")
+    return replace(q, eta=q.eta[:, :, np.argsort(first)])
 
 
 def _ascending(q: Question) -> Question:
@@ -315,6 +324,7 @@ _INPUT = (
            partial(_skipped, every=2)),
     Repair("frames-dt:3", "two frames are interpolated between any two, as if it read every third",
            partial(_skipped, every=3)),
+    Repair("frames-interlaced", "the frames are given out of order: it puts those of even number first", _interlaced),
     Repair("x-reversed", "the cube is reversed along x", partial(_flipped, axis=0)),
     Repair("y-reversed", "the cube is reversed along y", partial(_flipped, axis=1)),
     Repair("time-reversed", "the frames are given in reverse order", partial(_flipped, axis=2)),
@@ -323,10 +333,10 @@ _INPUT = (
     Repair("mean-removed", "the mean is taken from the cube", lambda q: replace(q, eta=q.eta - q.eta.mean())),
     Repair("normalised", "the cube is divided by its standard deviation",
            lambda q: replace(q, eta=q.eta / (float(q.eta.std()) or 1.0))),
-    *(Repair(name, f"the cube is tapered {said}beforehand", partial(_tapered, axes=axes))
-      for name, said, axes in (("no-taper", "", (0, 1, 2)), ("taper-in-time-only", "in space ", (0, 1)),
-                               ("taper-in-space-only", "in time ", (2,)), ("taper-not-along-x", "along x ", (0,)),
-                               ("taper-not-along-y", "along y ", (1,)))),
+    *(Repair(name, f"the cube is tapered {said} as well, beforehand", partial(_tapered, axes=axes))
+      for name, said, axes in (("taper-not-along-x", "along x", (0,)), ("taper-not-along-y", "along y", (1,)),
+                               ("taper-in-space-only", "in time", (2,)), ("taper-in-time-only", "in space", (0, 1)))),
+    Repair("no-taper", "the cube is tapered beforehand and no window is asked for", partial(_tapered, axes=(0, 1, 2))),
     *(Repair(f"{name}-{parity}", f"the number n of {said} is {parity}, by interpolation: it goes wrong for {other} n",
              partial(_made, axes=axes, odd=odd))
       for name, said, axes in (("frames", "frames", (2,)), ("sides", "samples along x and y", (0, 1)),
