@@ -17,7 +17,7 @@ import warnings
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import nullcontext
 from pathlib import Path
-from time import perf_counter
+from time import process_time
 from typing import Any
 
 import numpy as np
@@ -38,11 +38,11 @@ VAGUE = {"scale-dependent"}  # true of many mistakes, and the name of none
 
 def judge(code: Any, name: str, *, seed: int = 1, diagnosis: bool = True) -> dict[str, Any]:
     """What a quick run says of a code, and what the diagnosis says of that."""
-    pairs, start = select(profile="quick", seed=seed), perf_counter()
+    pairs, start = select(profile="quick", seed=seed), process_time()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # a code that warns is not broken
         found = certify(name, [nullcontext(InProcess(code))], pairs, profile="quick", seed=seed)
-        judged = perf_counter() - start
+        judged = process_time() - start
         if diagnosis and found.wrong:
             found = explain(found, InProcess(code))
     return {
@@ -55,7 +55,7 @@ def judge(code: Any, name: str, *, seed: int = 1, diagnosis: bool = True) -> dic
         "faults": [one["fault"] for one in found.diagnosis],
         "symptoms": [one["fault"] for one in found.diagnosis if one["kind"] == "symptom"],
         "explanation": found.explanation,
-        "seconds": [round(judged, 1), round(perf_counter() - start - judged, 1)],
+        "seconds": [round(judged, 1), round(process_time() - start - judged, 1)],
     }
 
 

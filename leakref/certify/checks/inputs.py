@@ -94,12 +94,28 @@ def drawn(grid: Grid) -> Grid:
 
 @dataclass(frozen=True, eq=False)
 class Cube:
-    """A surface and what is known of it, in scaled units: its waves and current, and `wavenumbers` (n,) to ask for."""
+    """A surface and what is known of it, in scaled units: its waves and current, and `wavenumbers` (n,) to ask for.
+
+    Two that show the same waves on the same grid, asked for the same wavenumbers, are equal: a search for a cure puts
+    the same questions again and again, and what is right of them is worked out once.
+    """
 
     components: Components
     grid: Grid
     wavenumbers: FloatArray
     current: Current
+
+    @cached_property
+    def _shown(self) -> tuple[object, ...]:
+        waves = self.components
+        arrays = (waves.kx, waves.ky, waves.omega, waves.amplitude, waves.phase, self.wavenumbers)
+        return (self.grid, *(np.asarray(array, dtype=np.float64).tobytes() for array in arrays))
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Cube) and self._shown == other._shown
+
+    def __hash__(self) -> int:
+        return hash(self._shown)
 
     @cached_property
     def surface(self) -> FloatArray:
