@@ -328,3 +328,18 @@ def test_of_a_change_with_wavenumber_half_as_much_again_is_allowed_and_no_more(f
         truth = shear._cube(Case("linear")).truth
     code = Changed("ls", lambda c: truth + factor * (c - truth))
     assert verdict_of("shear.slope[linear]", 6, code) == verdict
+
+
+def test_cubes_are_equal_if_they_show_the_same_and_only_then():
+    """What is right of a cube is kept under it: another wave, grid or wavenumber must be another cube."""
+    one = inputs.pair(inputs.EVEN, (5, 3), (-2, 5), (0.21, -0.13))
+    again = replace(one, wavenumbers=one.wavenumbers.copy())
+    assert one == again
+    assert hash(one) == hash(again)
+    waves = one.components
+    others = [
+        replace(one, wavenumbers=one.wavenumbers * 1.001),
+        replace(one, grid=replace(one.grid, spacing=(1.0, 1.0, 1.0))),
+        *(replace(one, components=replace(waves, **{name: getattr(waves, name) * 1.001})) for name in vars(waves)),
+    ]
+    assert len({one, again, *others}) == 1 + len(others)
