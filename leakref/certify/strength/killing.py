@@ -20,7 +20,7 @@ _FAULTS_BY_FINDING = {
     "recovery.two-shells[even]": (
         "frame-rate rectified root-missing sum-for-length disc-for-shell mean-over-band reversed-wavenumbers "
         "frames-out-of-order width-short exchanged-counts shift-off-by-one-even linspace-for-fftfreq depth-of-half "
-        "first-wavenumber-for-all only-negative-branch"
+        "first-wavenumber-for-all"
     ),
     "synthesis.energy[40]": (
         "two-thirds-energy random-amplitudes amplitude-squared half-amplitude double-energy standing-waves"
@@ -56,7 +56,9 @@ _FAULTS_BY_FINDING = {
     ),
     "conformance.sea[strong-hann-nsp]": "unweighted-half wide-width missing-negative-branch",
     "conformance.sea[strong-hann-ls]": "cycles-for-radians",
-    "recovery.ring[beside-moving]": "extra-branch stops-at-start current-sign-in-branch narrow-bounds",
+    "recovery.ring[beside-moving]": (
+        "extra-branch stops-at-start current-sign-in-branch narrow-bounds only-negative-branch"
+    ),
     "currents.backwards[oblique]": "printed-branch",
     "conformance.extract[nsp-untapered]": "hard-coded-width",
     "conformance.extract[ls-oblong]": "ls-no-threshold",
