@@ -27,8 +27,6 @@ THRESHOLD = 0.2
 """Bins below this part of the shell's own largest power are discarded (app:numdetails, decision D7)."""
 
 _SOFT = 1e-3  # softest over stiffest direction of C: below, the bins lie almost on one line, and hardly fix the current
-
-
 FREE = 1e-9
 """The same, where there is no number: the bins lie on one line."""
 
@@ -52,8 +50,7 @@ def optimum(shell: Shell, threshold: float = THRESHOLD) -> Optimum:
     column, m = np.nonzero(strong)
     k = np.stack([shell.kx[column], shell.ky[column]])
     shift = shell.omega[m] - shell.intrinsic[column]
-    normal = k @ k.T
-    soft, stiff = np.linalg.eigvalsh(normal)
+    soft, stiff = np.linalg.eigvalsh(normal := k @ k.T)
     note = remarks(column.size, bool(np.any(np.abs(power - threshold) < 1e-10)), soft, stiff) | shell.notes(strong)
     if soft <= FREE * stiff:
         return nothing(note)
