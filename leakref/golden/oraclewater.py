@@ -30,7 +30,7 @@ def dispersion(k: Number, gravity: Number = 1, depth: Number | None = None, surf
 def group_velocity(k: Number, *water: Any) -> Number:
     """d omega0 / d k, differentiated numerically. `water` is what `dispersion` takes after k."""
     k = mpf(k)
-    return k * mp.diff(lambda s: dispersion(k * s, *water), 1)  # in units of k, so that steps suit every k
+    return mp.diff(lambda s: dispersion(k * s, *water), 1) / k  # in units of k, so that steps suit every k
 
 
 def depth_factor(k: Number, depth: Number | None) -> Number:
