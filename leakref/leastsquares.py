@@ -50,7 +50,8 @@ def optimum(shell: Shell, threshold: float = THRESHOLD) -> Optimum:
     column, m = np.nonzero(strong)
     k = np.stack([shell.kx[column], shell.ky[column]])
     shift = shell.omega[m] - shell.intrinsic[column]
-    soft, stiff = np.linalg.eigvalsh(normal := k @ k.T)
+    normal = k @ k.T
+    soft, stiff = np.linalg.eigvalsh(normal)
     note = remarks(column.size, bool(np.any(np.abs(power - threshold) < 1e-10)), soft, stiff) | shell.notes(strong)
     if soft <= FREE * stiff:
         return nothing(note)

@@ -178,9 +178,8 @@ def aligned_waves(
 ) -> tuple[Components, FloatArray]:
     """One or two waves exactly on bins (i, j, m) of `grid`, and the uniform current (2,) that puts them there.
 
-    Two waves that are not parallel fix the current: omega0(k) + k.U = m domega is a 2x2 system. One wave
-    fixes its component along the wave, and that is returned. `water` goes before deep water of some `gravity`. Raises
-    LeakrefError otherwise.
+    Two waves that are not parallel fix the current: omega0(k) + k.U = m domega is a 2x2 system. One wave fixes its
+    component along the wave, and that is returned. `water` goes before `gravity`. Raises LeakrefError otherwise.
     """
     if len(bins) not in (1, 2):
         raise LeakrefError("aligned_waves", f"{len(bins)} waves", "give one or two bins (i, j, m)")
