@@ -390,6 +390,18 @@ def test_the_fast_path_is_the_chain_on_the_grid_of_the_paper(water):
         assert np.all(~(np.abs(twin.velocities - plain.velocities) > tolerance))
 
 
+def test_what_is_beyond_reach_is_measured_by_the_waves_of_this_water_in_chain_and_fast_path():
+    """A current of 0.75 c0 is within 1.2 c0, but not within 1.2 of the phase velocity at the peak, 0.54 c0."""
+    water, grid = Water(depth=0.3), GRIDS["odd"]
+    waves = seas(water, 2, 5, 90, (0.0, 0.75))
+    twin = fast.realize(waves, grid, K[1:], windows=("hann",), methods=("nsp",), water=water)["hann", "nsp"]
+    (spectrum,) = transform(waves, grid, ("hann",), route="B")
+    plain = analyse(spectrum, K[1:], water=water, peak_wavenumber=1.0)
+    assert all(Note.EDGE in note for note in plain.notes)
+    assert twin.notes == plain.notes
+    assert np.abs(plain.velocities - [0.0, 0.75]).max() < 0.1
+
+
 def swell(water):
     """Six waves, about as in the golden vectors."""
     n = np.arange(6)
