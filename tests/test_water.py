@@ -206,8 +206,7 @@ def test_closed_forms_are_the_quadrature_of_the_profile(name, depth):
     with np.errstate(over="raise", invalid="raise", divide="raise"):
         closed = current.doppler_shift_velocity(KS, Water(depth=depth))
         integral = ProfileCurrent(partial(as_profile, current)).doppler_shift_velocity(KS, Water(depth=depth))
-    # of a linear current without a bottom the integrand has a pole at one end: 2e-12 as in test_dispersion
-    np.testing.assert_allclose(integral, closed, rtol=0, atol=2e-12 if name == "linear" and depth > 100 else 1e-12)
+    np.testing.assert_allclose(integral, closed, rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize("depth", [1e-3, 0.7, 40.0])
@@ -411,8 +410,7 @@ def swell(water):
     return Components(kx, ky, omega, 0.3 + 0.1 * n, 1.1 * n)
 
 
-@pytest.mark.parametrize("window", ["box", "hann"])
-@pytest.mark.parametrize("name", ["0.7", "5cm", "2cm"])
+@pytest.mark.parametrize(("name", "window"), [("0.7", "box"), ("2", "hann"), ("5cm", "hann"), ("2cm", "box")])
 def test_velocities_are_those_of_the_oracle(name, window):
     water, grid, k_i = WATERS[name].to_units(Scales(1.0, 9.81)), Grid((11, 13, 53), (1.2, 0.9, 0.2)), 1.1  # all prime
     waves = swell(water)
