@@ -9,7 +9,8 @@ Conventions, the same everywhere:
 - A surface is `eta[x, y, t]`; a larger index is a larger coordinate. Directions are going-to, anticlockwise
   from +x, in degrees in public signatures. A wave is `cos(k.x - omega t + phase)`.
 - Angular units: wavenumbers in rad per length, frequencies in rad per time. `gravity = 1` goes with the
-  paper's scaled units (k0 = omega0 = 1, speeds in units of the peak phase velocity c0); 9.81 with SI.
+  paper's scaled units (k0 = omega0 = 1, speeds in units of the peak phase velocity c0); 9.81 with SI. Water is
+  deep unless a `Water` of some depth or surface tension is given; scaled units are then still those of deep water.
 - Lengths and durations are n d, never (n - 1) d. The paper's L and T count wavelengths and periods. Bins are
   `2 pi / length` and `2 pi / duration` wide. Nothing assumes a square domain.
 - `S(k, omega) = sum of w eta exp(-i (k.x - omega t))`, so a wave appears at its own (+k, +omega); P = |S|^2.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 from collections.abc import Iterable
+from numbers import Real
 from typing import Any, ClassVar
 
 import numpy as np
@@ -22,6 +23,7 @@ __all__ = [
     "installed_with",
     "integer",
     "levelled",
+    "number",
     "positive",
     "refusal",
     "vector",
@@ -140,6 +142,16 @@ def integer(call: str, name: str, value: Any, least: int = 0) -> int:
     except (TypeError, ValueError, OverflowError):
         pass
     raise LeakrefError(call, f"{name} = {value!r} is not a whole number of at least {least}", f"give {name} as one")
+
+
+def number(call: str, **values: object) -> None:
+    """Refuse any named value that is not one real number: a text such as "4", True, an array, None or NaN.
+
+    Infinity is a number; `positive` refuses it where it must not be.
+    """
+    for name, value in values.items():
+        if isinstance(value, bool) or not isinstance(value, Real) or value != value:
+            raise LeakrefError(call, f"{name} = {value!r} is not a number", f"give {name} as one real number")
 
 
 def positive(call: str, **values: float | Iterable[float]) -> None:

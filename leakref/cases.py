@@ -21,6 +21,7 @@ import numpy as np
 from leakref._base import FloatArray, LeakrefError, finite, positive
 from leakref.chain import shell_wavenumbers
 from leakref.currents import UniformCurrent
+from leakref.dispersion import Water
 from leakref.grid import Grid
 from leakref.sea import Components, SeaState
 
@@ -37,6 +38,8 @@ _SHORT = {
     "speed": "current",
     "current_direction": "current_direction",
     "rotation": "rotation",
+    "depth": "kh",
+    "surface_tension": "tension",
 }
 
 
@@ -45,11 +48,13 @@ class Configuration:
     """One line of a case: a sea, a current and a domain, in scaled units; angles in degrees.
 
     `length` L and `duration` T count wavelengths and periods; `speed` and `current_direction` are those of the uniform
-    current; `rotation` turns sea and current about the centre of the domain (decision D13).
+    current; `rotation` turns sea and current about the centre of the domain (decision D13). Periods are those of deep
+    water, 2 pi / sqrt(g k0), whatever the depth: the samples are the same in every water (decision D26).
 
     - `case`: the id of the case; `direction`: theta0, where the waves go to; `spread`: full width (eq:angularspread).
     - `peakedness`: gamma of eq:JONSWAP; `speed`: in `c0`.
     - `current_direction`: where the current goes to, before the rotation.
+    - `depth`: k0 h, infinite in deep water; `surface_tension`: S k0^2 / g, S over density.
     - `windows`: under which velocities are measured.
 
     LeakrefError is raised for angles or speeds that are not finite, and for sizes that are not positive.
@@ -64,6 +69,8 @@ class Configuration:
     speed: float = 0.0
     current_direction: float = 0.0
     rotation: float = 0.0
+    depth: float = np.inf
+    surface_tension: float = 0.0
     windows: tuple[str, ...] = ("box", "hann")
     varied: tuple[str, ...] = ()
     """The parameters that tell the configurations of a case apart: those in its id."""
@@ -74,6 +81,7 @@ class Configuration:
         positive(
             "Configuration", spread=self.spread, peakedness=self.peakedness, length=self.length, duration=self.duration
         )
+        _ = self.water  # which refuses a depth or tension that is none
 
     @property
     def id(self) -> str:
@@ -88,6 +96,11 @@ class Configuration:
         28 samples a peak wavelength along x and y, 14 a peak period: spacing in `1 / k0` and `1 / omega0`.
         """
         return Grid.scaled(self.length, self.duration)
+
+    @cached_property
+    def water(self) -> Water:
+        """The law of dispersion, in scaled units. Raises LeakrefError for a depth or tension that is none."""
+        return Water(depth=self.depth, surface_tension=self.surface_tension)
 
     @property
     def wavenumbers(self) -> FloatArray:
@@ -108,7 +121,8 @@ class Configuration:
         """
         angle = np.radians(self.current_direction)
         current = UniformCurrent((float(self.speed * np.cos(angle)), float(self.speed * np.sin(angle))))
-        sea = SeaState(self.direction, self.spread, self.peakedness, self.length, current).components(realization)
+        state = SeaState(self.direction, self.spread, self.peakedness, self.length, current, self.water)
+        sea = state.components(realization)
         return sea.rotated(self.rotation, [side / 2 for side in self.grid.lengths[:2]]) if self.rotation else sea
 
 

@@ -64,7 +64,7 @@ def extract(
     """From a surface eta[x, y, t] sampled at `spacing` (dx, dy, dt) to velocities at `wavenumbers` (n,).
 
     Angular units throughout: wavenumbers in rad per unit of length, velocities in its units of length and
-    time, `gravity` likewise (1 for scaled units). Raises LeakrefError.
+    time, `gravity` likewise (1 for scaled units). `settings` as in `analyse`, `water` among them. Raises LeakrefError.
     """
     eta = finite("extract", "surface", surface, 3)
     spectrum = fourier(levelled(eta)[0], Grid(eta.shape, spacing), window)

@@ -58,7 +58,7 @@ DECISIONS = _register(
      "directions.", "grid.Grid.wavenumber_resolution"),
     ("In which unit of velocity does Nelder-Mead start, where the peak is not known?", "c0 of the given peak "
      "wavenumber; else 1 if gravity is 1 (scaled units), else the phase velocity at the shell's own wavenumber, which "
-     "is the same at every scale.", "shell.velocity_unit"),
+     "is the same at every scale.", "dispersion.velocity_unit"),
     ("Which values within the ranges of the table (U 0...0.15, spread 15...60, gamma 1...7)?", "U 0, 0.025, 0.075, "
      "0.15; spread 15, 30, 45, 60; gamma 1, 3.3, 7; theta0 60, 75, 90 as in the text.", "cases.CASES"),
     ("In which sense is a video rotated?", "The sea turns anticlockwise. The other sense is its mirror image, with the "
@@ -68,8 +68,22 @@ DECISIONS = _register(
     ("What is a shell with nothing in it?", "Largest bin below 1e-12 of the spectrum's largest: no number, noted as "
      "no-signal. A single wave under least squares, or no stationary maximum: no number either, and noted.",
      "shell.Note"),
+    ("Which units, where the water is not deep?", "k0 = g = 1 as in deep water: lengths in 1 / k0, times in 1 / "
+     "sqrt(g k0), velocities in sqrt(g / k0), and L and T count 2 pi of them. So the samples are the same in every "
+     "water, and depth is k0 h, surface tension S k0^2 / g.", "dispersion.Scales"),
+    ("At which frequency is JONSWAP, where the water is not deep?", "At omega0(k) / omega0(k0), both in that water, so "
+     "that the peak stays at k0; the density over the plane is 2 (d omega0 / d k) / k times that over frequencies.",
+     "sea.SeaState.components"),
+    ("What does a bottom do to the spectrum?", "It is multiplied by the depth factor of the TMA spectrum (Bouws et al. "
+     "1985), tanh^2(k h) / (1 + 2 k h / sinh(2 k h)), which depends on k h alone: surface tension does not change it.",
+     "dispersion.Water.depth_factor"),
+    ("In which unit of velocity is the search, where the water is not deep?", "The phase velocity at k0 in that water: "
+     "the first simplex, the reach of 1.2 and what counts as flat shrink with it.", "dispersion.velocity_unit"),
+    ("Which Doppler shift has a current that varies with depth, above a bottom?", "That of first order (Skop 1987; "
+     "Kirby and Chen 1989), of which eq:SJ is the deep limit. For a linear profile, too, of which an exact relation "
+     "is known.", "currents.weight"),
 )
-"""Every decision by id, D1 to D19 as first laid down, those after as they were found."""
+"""Every decision by id, D1 to D19 as first laid down, those after as they were found, D26 to D30 of other water."""
 SLIPS = {
     "printed-branch": "over the whole space N is then the same for c and -c, and where waves are swept backwards the "
     "current is lost",

@@ -1,8 +1,12 @@
 """The dispersion relation of water, its units, and what resolution allows.
 
-Waves of wave vector k are seen at omega = omega0(|k|) + k.c (eq:SnJ, equation 1): omega0 is the frequency in still
-water, rad per time for k in rad per length, and c the Doppler shift velocity (`currents`). `Water` is the only place in
-the package that knows omega0(k): it travels wherever waves are looked for.
+Waves of wave vector k are seen at omega = omega0(|k|) + k.c (eq:SnJ, equation 1), with c the Doppler shift velocity
+(`currents`) and omega0 the frequency in still water of depth h and surface tension S (over density),
+
+    omega0(k) = sqrt((g k + S k^3) tanh(k h)),
+
+rad per time for k in rad per length: sqrt(g k) in the paper's deep water. `Water` is the only place in the package that
+knows omega0(k): it travels wherever waves are looked for.
 """
 
 from __future__ import annotations
@@ -12,39 +16,76 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from leakref._base import FloatArray, LeakrefError, finite, positive
+from leakref._base import FloatArray, LeakrefError, finite, number, positive
 
-__all__ = ["DEEP", "Scales", "Water", "law", "velocity_resolutions"]
+__all__ = ["DEEP", "Scales", "Water", "law", "velocity_resolutions", "velocity_unit"]
+
+_BOTTOMLESS = 1e200  # a depth that no wave feels: k times it is 0 for k = 0, and never infinite
+_LAW = ("gravity", "depth", "frequency", "phase_velocity", "group_velocity", "density_factor", "depth_factor")
 
 
 @dataclass(frozen=True)
 class Water:
-    """Deep, still water of some gravity (sec:theory); another law of dispersion is another class with these methods.
+    """Still water of a `depth` h and a `surface_tension` S over density (sec:theory): deep and without, by default.
 
-    All take wavenumbers of any shape, rad per length. Raises LeakrefError for a gravity that is not positive.
+    `gravity` g in length / time^2, `depth` in lengths, `surface_tension` in length^3 / time^2. All methods take
+    wavenumbers of any shape, rad per length, and lose no digits however small or large k h is. Another law is a class
+    derived from this one. Raises LeakrefError for a gravity or depth not above zero or a tension below it.
     """
 
     gravity: float = 1.0
+    depth: float = np.inf
+    surface_tension: float = 0.0
 
     def __post_init__(self) -> None:
-        positive("Water", gravity=self.gravity)
+        number("Water", gravity=self.gravity, depth=self.depth, surface_tension=self.surface_tension)
+        positive("Water", gravity=self.gravity, depth=1.0 if self.depth == np.inf else self.depth)
+        positive("Water", surface_tension=self.surface_tension or 1.0)
 
     def frequency(self, wavenumber: npt.ArrayLike) -> FloatArray:
-        """omega0(k) = sqrt(g k), rad per time."""
-        return np.sqrt(self.gravity * np.asarray(wavenumber, dtype=np.float64))
+        """omega0(k) = sqrt((g k + S k^3) tanh(k h)), rad per time: sqrt(g k) in deep water."""
+        return np.sqrt(self.gravity * np.asarray(wavenumber, dtype=np.float64)) * self._factors(wavenumber)[0]
 
     def phase_velocity(self, wavenumber: npt.ArrayLike) -> FloatArray:
-        """omega0 / k = sqrt(g / k)."""
-        return np.sqrt(self.gravity / np.asarray(wavenumber, dtype=np.float64))
+        """omega0 / k = sqrt((g / k + S k) tanh(k h)): sqrt(g / k) in deep water."""
+        return np.sqrt(self.gravity / np.asarray(wavenumber, dtype=np.float64)) * self._factors(wavenumber)[0]
 
     def group_velocity(self, wavenumber: npt.ArrayLike) -> FloatArray:
-        """d omega0 / d k = sqrt(g / k) / 2."""
-        return self.phase_velocity(wavenumber) / 2
+        """d omega0 / d k = omega0 / 2k ((g + 3 S k^2) / (g + S k^2) + 2 k h / sinh(2 k h)): sqrt(g / k) / 2 if deep."""
+        return self.phase_velocity(wavenumber) / 2 * self._factors(wavenumber)[1]
 
     def density_factor(self, wavenumber: npt.ArrayLike) -> FloatArray:
-        """The factor from a density over frequencies to one over the plane, 2 (d omega0 / d k) / k = sqrt(g) k^-3/2."""
+        """From a density over frequencies to one over the plane, 2 (d omega0 / d k) / k: sqrt(g) k^-3/2 if deep."""
         falling: FloatArray = np.asarray(wavenumber, dtype=np.float64) ** -1.5
-        return falling * float(np.sqrt(self.gravity))
+        omega, group, _ = self._factors(wavenumber)
+        return falling * float(np.sqrt(self.gravity)) * omega * group
+
+    def depth_factor(self, wavenumber: npt.ArrayLike) -> FloatArray:
+        """What a bottom leaves of a density over frequencies, tanh^2(k h) / (1 + 2 k h / sinh(2 k h)): 1 if deep.
+
+        The factor of the TMA spectrum (Bouws et al. 1985, doi 10.1029/JC090iC01p00975; decision D28).
+        """
+        return self._factors(wavenumber)[2]
+
+    def _factors(self, wavenumber: npt.ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """What bottom and tension make of omega0, of the group velocity beside it and of a density: 1 in deep water."""
+        if self.depth == np.inf and self.surface_tension == 0:
+            return (one := np.ones(np.shape(wavenumber))), one, one
+        k = np.asarray(wavenumber, dtype=np.float64)
+        kh, tension = k * min(self.depth, _BOTTOMLESS), k**2 * self.surface_tension / self.gravity
+        twice = np.clip(2 * kh, 1e-300, 700.0)  # where 2 k h / sinh(2 k h) is 1, or nothing beside 1
+        tanh, ratio = np.tanh(kh), twice / np.sinh(twice)
+        return np.sqrt((1 + tension) * tanh), (1 + 3 * tension) / (1 + tension) + ratio, tanh**2 / (1 + ratio)
+
+    def to_units(self, scales: Scales) -> Water:
+        """From scaled units, in which `depth` is k0 h and `surface_tension` S k0^2 / g, to those of `scales`."""
+        g, length = scales.gravity, scales.length
+        return Water(self.gravity * g, self.depth * length, self.surface_tension * g * length**2)
+
+    def to_scaled(self, scales: Scales) -> Water:
+        """From the units of `scales` to scaled ones, in which gravity is 1 if it is that of `scales`."""
+        g, length = scales.gravity, scales.length
+        return Water(self.gravity / g, self.depth / length, self.surface_tension / g / length**2)
 
 
 DEEP = Water()
@@ -56,14 +97,9 @@ def law(call: str, gravity: float, water: Water | None) -> Water:
     if water is None:
         positive(call, gravity=gravity)
         return Water(gravity)
-    if isinstance(water, type):
-        raise LeakrefError(call, f"water = {water.__name__} is a class", "give one of it, such as Water(9.81)")
-    lacking = [
-        name for name in ("gravity", "frequency", "phase_velocity", "group_velocity") if not hasattr(water, name)
-    ]
-    if lacking:
-        remedy = "give leakref.Water(gravity), or another class with its methods"
-        raise LeakrefError(call, f"water = {water!r} is no law of dispersion: it has no {lacking[0]}", remedy)
+    if isinstance(water, type) or not all(hasattr(water, name) for name in _LAW):
+        remedy = "give leakref.Water(gravity, depth), or one of a class derived from it"
+        raise LeakrefError(call, f"water = {water!r} is no law of dispersion", remedy)
     return water
 
 
@@ -80,11 +116,22 @@ def velocity_resolutions(
     return domega / k, water.group_velocity(k) * dk / k
 
 
+def velocity_unit(wavenumber: float, water: Water, peak_wavenumber: float | None) -> float:
+    """The phase velocity at k0: the unit in which the search starts and flags are judged, c0 if the water is deep.
+
+    Where the peak is not given: k0 = 1 if gravity is 1 (scaled units), else the shell's own wavenumber, which
+    keeps results the same at every scale (decision D21). In other water it is that water's (decision D29).
+    """
+    default = 1.0 if water.gravity == 1 else wavenumber
+    return float(water.phase_velocity(peak_wavenumber or default))
+
+
 @dataclass(frozen=True)
 class Scales:
-    """From the paper's scaled units (k0 = omega0 = g = 1, sec:dimensions) to any others, and back.
+    """From the paper's scaled units (k0 = g = 1, sec:dimensions) to any others, and back, whatever the depth.
 
-    Multiply a scaled quantity by the scale of its kind; divide to go back.
+    Multiply a scaled quantity by the scale of its kind; divide to go back; of water see `Water.to_units`. The units of
+    time and velocity are those of deep water, 1 / sqrt(g k0) and sqrt(g / k0), in every water (decision D26).
     """
 
     peak_wavenumber: float = 1.0
@@ -100,7 +147,7 @@ class Scales:
 
     @property
     def frequency(self) -> float:
-        """omega0 = sqrt(g k0), rad per time."""
+        """sqrt(g k0), rad per time: omega0 of the peak in deep water."""
         return float(Water(self.gravity).frequency(self.peak_wavenumber))
 
     @property
@@ -110,10 +157,10 @@ class Scales:
 
     @property
     def time(self) -> float:
-        """1 / omega0."""
+        """1 / sqrt(g k0)."""
         return 1 / self.frequency
 
     @property
     def velocity(self) -> float:
-        """c0 = omega0 / k0, the phase velocity at the peak."""
+        """c0 = sqrt(g / k0), the phase velocity at the peak in deep water."""
         return self.frequency / self.wavenumber

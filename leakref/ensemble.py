@@ -93,10 +93,10 @@ class Ensemble:
         """eq:dcdwk from frequency and from wavenumber, (n,) each.
 
         That is `domega / k` and `cg dk / k`, in `c0`: the change of velocity that moves the dispersion surface by one
-        bin.
+        bin. The group velocity `cg` is that of the configuration's water.
         """
-        grid = self.configuration.grid
-        return velocity_resolutions(self.wavenumbers, grid.wavenumber_resolution, grid.frequency_resolution)
+        grid, water = self.configuration.grid, self.configuration.water
+        return velocity_resolutions(self.wavenumbers, grid.wavenumber_resolution, grid.frequency_resolution, water)
 
     def noted(self, note: Note) -> IntArray:
         """In how many realisations a note was made, (n,)."""
@@ -136,12 +136,13 @@ def realize(
 ) -> dict[tuple[str, str], Extraction]:
     """One realisation: an Extraction for each (window, method), by route A (surface and FFT) or B (closed form).
 
-    Route A is the plain chain, route B its compiled twin.
+    Route A is the plain chain, route B its compiled twin. Both look for waves in the configuration's own water.
 
     `realization` counts from 0. Both routes give velocities that agree to about 1e-11 `c0` where there is no note.
     """
     waves, grid, k = configuration.components(realization), configuration.grid, configuration.wavenumbers
+    water = configuration.water
     if route == "B":
-        return fast.realize(waves, grid, k, windows=configuration.windows, methods=methods)
+        return fast.realize(waves, grid, k, windows=configuration.windows, methods=methods, water=water)
     spectra = transform(waves, grid, configuration.windows, route=route)
-    return {(s.window, method): analyse(s, k, method=method) for s in spectra for method in methods}
+    return {(s.window, method): analyse(s, k, method=method, water=water) for s in spectra for method in methods}

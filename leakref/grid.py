@@ -39,11 +39,8 @@ class Grid:
             if len(shape) != 3:
                 raise TypeError
         except (TypeError, LeakrefError):
-            raise LeakrefError(
-                "Grid",
-                f"shape = {self.shape} is not three sizes of at least 2",
-                "give (nx, ny, nt) with two samples or more along every axis",
-            ) from None
+            fault = f"shape = {self.shape} is not three sizes of at least 2"
+            raise LeakrefError("Grid", fault, "give (nx, ny, nt) with two samples or more along every axis") from None
         spacing = finite("Grid", "spacing", self.spacing)
         if spacing.shape != (3,):
             raise LeakrefError("Grid", f"spacing = {self.spacing} is not three numbers", "give (dx, dy, dt)")

@@ -27,8 +27,6 @@ THRESHOLD = 0.2
 """Bins below this part of the shell's own largest power are discarded (app:numdetails, decision D7)."""
 
 _SOFT = 1e-3  # softest over stiffest direction of C: below, the bins lie almost on one line, and hardly fix the current
-
-
 FREE = 1e-9
 """The same, where there is no number: the bins lie on one line."""
 

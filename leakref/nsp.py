@@ -20,19 +20,8 @@ from scipy.ndimage import maximum_filter
 from scipy.optimize import minimize
 
 from leakref._base import FloatArray, positive
-from leakref.dispersion import Water, law
-from leakref.shell import (
-    HALF_WIDTH,
-    Extraction,
-    Note,
-    Optimum,
-    Shell,
-    checked_wavenumbers,
-    collect,
-    nothing,
-    shell_at,
-    velocity_unit,
-)
+from leakref.dispersion import Water, law, velocity_unit
+from leakref.shell import HALF_WIDTH, Extraction, Note, Optimum, Shell, checked_wavenumbers, collect, nothing, shell_at
 from leakref.spectrum import Spectrum
 
 __all__ = [
@@ -145,13 +134,11 @@ def _scores(shell: Shell, velocities: FloatArray, width: float) -> FloatArray:
     A column's part of the products depends on the velocity only through the centre of its Gaussian, so both
     products are tabulated over the centre, an eighth of the width apart, and read off.
     """
-    step = width / 8
-    offset = shell.omega[-1] + 5 * width
+    step, offset = width / 8, shell.omega[-1] + 5 * width
     centres = np.arange(-offset, offset + step, step)
     g = np.exp(-2 * ((shell.omega[:, None] - centres) / width) ** 2) * shell.weight[:, None]
     top, bottom = shell.magnitude @ g, g.sum(axis=0)
-    column = np.arange(shell.kx.size)
-    result = np.empty(len(velocities))
+    column, result = np.arange(shell.kx.size), np.empty(len(velocities))
     for start in range(0, len(velocities), 256):
         c = velocities[start : start + 256]
         shift = np.outer(c[:, 0], shell.kx) + np.outer(c[:, 1], shell.ky)
@@ -166,10 +153,9 @@ def _scores(shell: Shell, velocities: FloatArray, width: float) -> FloatArray:
 
 def another_basin(shell: Shell, found: FloatArray, score: float, width: float, unit: float) -> bool:
     """Whether some other maximum within reach scores higher: a search on a lattice of half widths, then Newton."""
-    reach = score_range(shell, width, unit)
+    reach, spacing = score_range(shell, width, unit), width / (2 * shell.wavenumber)
     if reach <= 0:
         return False
-    spacing = width / (2 * shell.wavenumber)
     m = int(np.ceil(reach / spacing))
     lattice = np.moveaxis(np.mgrid[-m : m + 1, -m : m + 1], 0, -1) * spacing
     inside = np.hypot(lattice[..., 0], lattice[..., 1]) <= reach
@@ -194,11 +180,9 @@ def optimum(shell: Shell, width: float, unit: float, *, search: bool = True) -> 
     if shell.is_empty:
         return nothing(Note.NO_SIGNAL)
     simplex = np.array([[0.0, 0.0], [START, 0.0], [0.0, START]])
+    options = {"initial_simplex": simplex, "xatol": 1e-8, "fatol": np.inf, "maxfev": 5000, "maxiter": 5000}
     fit = minimize(
-        lambda c: -normalized_scalar_product(shell, c * unit, width),
-        simplex[0],
-        method="Nelder-Mead",
-        options={"initial_simplex": simplex, "xatol": 1e-8, "fatol": np.inf, "maxfev": 5000, "maxiter": 5000},
+        lambda c: -normalized_scalar_product(shell, c * unit, width), simplex[0], method="Nelder-Mead", options=options
     )
     velocity, steps, arrived = _ascend(shell, fit.x * unit, width, unit)
     evaluations = int(fit.nfev) + steps
@@ -230,15 +214,13 @@ def extract(
 ) -> Extraction:
     """Doppler shift velocities by the normalized scalar product (sec:NSP), one for each wavenumber (n,).
 
-    `water` is the law of dispersion, by default that of deep water of some `gravity`.
-
-    `width` a in domega, `half_width` of a shell in dk; `peak_wavenumber` k0 sets the unit of the search (see
-    `velocity_unit`). Shells are taken one at a time, so memory does not grow with their number. Raises LeakrefError.
+    `water` is the law of dispersion, by default that of deep water of some `gravity`; `width` a in domega, `half_width`
+    of a shell in dk; `peak_wavenumber` k0 sets the unit of the search (see `velocity_unit`). Shells are taken one at a
+    time, so memory does not grow with their number. Raises LeakrefError.
     """
     k = checked_wavenumbers(wavenumbers, "nsp.extract")
-    positive("nsp.extract", width=width, half_width=half_width)
-    if peak_wavenumber is not None:
-        positive("nsp.extract", peak_wavenumber=peak_wavenumber)
+    peak = {} if peak_wavenumber is None else {"peak_wavenumber": peak_wavenumber}
+    positive("nsp.extract", width=width, half_width=half_width, **peak)
     a, water = width * spectrum.grid.frequency_resolution, law("nsp.extract", gravity, water)
     shell = partial(shell_at, spectrum, water=water, half_width=half_width)  # one at a time
     found = [optimum(shell(k_i), a, velocity_unit(k_i, water, peak_wavenumber), search=search) for k_i in k]

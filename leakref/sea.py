@@ -2,11 +2,12 @@
 
 A wave of wave vector k on a lattice of spacing dk has the amplitude (eq:amplitudes, equation 12; decision D15)
 
-    a(k) = sqrt(S(omega0) f(theta) 2 (d omega0 / d k) / k) dk,
+    a(k) = sqrt(S(omega0 / omega_p) D(k h) f(theta) 2 (d omega0 / d k) / k) dk,
 
 with S the density over frequencies of eq:JONSWAP (equation 8), f that over directions of eq:angularspread (equation
-11), theta the direction of k and omega0(k) the frequency in still water. Scaled units: lengths in 1 / k0, times in
-1 / omega0, k0 and omega0 being wavenumber (rad per length) and frequency (rad per time) of the spectral peak.
+11), theta the direction of k, omega0(k) the frequency in still water and omega_p = omega0(k0), k0 being the wavenumber
+of the spectral peak (rad per length). D is the depth factor of the TMA spectrum (`Water.depth_factor`), 1 in deep
+water. Scaled units: lengths in 1 / k0, times in 1 / sqrt(g k0), which is 1 / omega_p in deep water.
 """
 
 from __future__ import annotations
@@ -18,8 +19,8 @@ import numpy as np
 import numpy.typing as npt
 
 from leakref._base import FloatArray, IntArray, LeakrefError, finite, integer, positive
-from leakref.currents import Current, UniformCurrent
-from leakref.dispersion import DEEP, Scales, Water
+from leakref.currents import Current, UniformCurrent, is_current, shift_in
+from leakref.dispersion import DEEP, Scales, Water, law
 from leakref.grid import Grid
 
 __all__ = [
@@ -119,8 +120,8 @@ def uniform_phases(realization: int, i: IntArray, j: IntArray) -> FloatArray:
 class SeaState:
     """A JONSWAP sea with cosine-square spreading in scaled units (sec:spectrum), on a lattice of waves.
 
-    `direction` theta0 (going-to) and `spread` (full width) in degrees, `peakedness` gamma, `length` the
-    domain L that sets the lattice spacing, `current` what shifts the waves. Raises LeakrefError.
+    `direction` theta0 (going-to) and `spread` (full width) in degrees, `peakedness` gamma, `length` the domain L that
+    sets the lattice spacing, `current` what shifts the waves, `water` of gravity 1 and depth k0 h. Raises LeakrefError.
     """
 
     direction: float = 90.0
@@ -128,21 +129,22 @@ class SeaState:
     peakedness: float = 3.3
     length: float = 10.0
     current: Current = field(default_factory=UniformCurrent)
+    water: Water = DEEP
 
     def __post_init__(self) -> None:
         finite("SeaState", "direction", self.direction)
-        if not hasattr(self.current, "doppler_shift_velocity"):
-            remedy = "give UniformCurrent((Ux, Uy)), or another one with a doppler_shift_velocity"
-            raise LeakrefError("SeaState", f"current = {self.current!r} is no current", remedy)
+        is_current("SeaState", self.current)
         positive("SeaState", spread=self.spread, peakedness=self.peakedness, length=self.length)
+        if law("SeaState", 1.0, self.water).gravity != 1:
+            raise LeakrefError("SeaState", f"water = {self.water} is not in scaled units", "give Water(depth=k0 h)")
         if self.spread > 360:
             raise LeakrefError("SeaState", f"spread = {self.spread} degrees", "give a full width of at most 360")
 
     def components(self, realization: int) -> Components:
         """The waves of one realisation (counted from 0), on those lattice points where the sea has energy.
 
-        The energy in a cell is S f k^-3/2 / 2 dk^2 (decision D15: the printed eq:amplitudes has another
-        power of dk and a factor 2); S is taken at the intrinsic frequency (decision D17), omega is eq:SnJ.
+        The energy in a cell is a(k)^2 / 2, S f k^-3/2 / 2 dk^2 in deep water (decision D15: printed is another power
+        of dk and a factor 2); S is taken at the intrinsic frequency (D17) over the peak's (D27), omega is eq:SnJ.
         """
         if integer("SeaState.components", "realization", realization) >= 2**63:
             raise LeakrefError("SeaState.components", f"realization = {realization}", "count them 0, 1, 2, ...")
@@ -153,16 +155,15 @@ class SeaState:
         f = directional_spreading(np.degrees(np.arctan2(j, i)), self.direction, self.spread)
         inside = (k > 0) & (k <= LARGEST_WAVENUMBER) & (f > 0)
         i, j, k, f = i[inside], j[inside], k[inside], f[inside]
-        energy = DEEP.density_factor(k) * jonswap(DEEP.frequency(k), self.peakedness) * f * dk**2
+        water, peak = self.water, self.water.frequency(1.0)
+        density = jonswap(water.frequency(k) / peak, self.peakedness) * water.depth_factor(k)
+        energy = water.density_factor(k) * density * f * dk**2
         i, j, k, energy = (values[energy > 0] for values in (i, j, k, energy))
         if not k.size:
             fault = f"no lattice point lies within the spread of {self.spread} degrees at length {self.length}"
             raise LeakrefError("SeaState.components", fault, "widen the spread or enlarge the domain")
-        shift = finite("SeaState.components", "the Doppler shift velocity", self.current.doppler_shift_velocity(k))
-        if shift.shape != (k.size, 2):
-            fault = f"the current gave velocities of shape {shift.shape} for {k.size} wavenumbers"
-            raise LeakrefError("SeaState.components", fault, "give two components (x, y) for each")
-        omega = DEEP.frequency(k) + dk * (i * shift[:, 0] + j * shift[:, 1])
+        shift = shift_in("SeaState.components", self.current, k, water)
+        omega = water.frequency(k) + dk * (i * shift[:, 0] + j * shift[:, 1])
         return Components(dk * i, dk * j, omega, np.sqrt(energy), uniform_phases(int(realization), i, j))
 
 
@@ -173,11 +174,12 @@ def aligned_waves(
     amplitude: Sequence[float] = (1.0, 0.7),
     phase: Sequence[float] = (0.3, 1.9),
     gravity: float = 1.0,
+    water: Water | None = None,
 ) -> tuple[Components, FloatArray]:
     """One or two waves exactly on bins (i, j, m) of `grid`, and the uniform current (2,) that puts them there.
 
-    Two waves that are not parallel fix the current: omega0(k) + k.U = m domega is a 2x2 system. One wave
-    fixes its component along the wave, and that is returned. Raises LeakrefError otherwise.
+    Two waves that are not parallel fix the current: omega0(k) + k.U = m domega is a 2x2 system. One wave fixes its
+    component along the wave, and that is returned. `water` goes before `gravity`. Raises LeakrefError otherwise.
     """
     if len(bins) not in (1, 2):
         raise LeakrefError("aligned_waves", f"{len(bins)} waves", "give one or two bins (i, j, m)")
@@ -193,7 +195,6 @@ def aligned_waves(
         raise LeakrefError("aligned_waves", f"the waves {list(bins)} are parallel", "choose two directions")
     if not k.any(axis=1).all():
         raise LeakrefError("aligned_waves", "a wave has wavenumber zero", "choose bins with i or j other than 0")
-    shift = omega - Water(gravity).frequency(np.hypot(*k.T))
+    shift = omega - law("aligned_waves", gravity, water).frequency(np.hypot(*k.T))
     current = np.linalg.lstsq(k, shift, rcond=None)[0]
-    n = len(bins)
-    return Components(k[:, 0], k[:, 1], omega, np.asarray(amplitude[:n]), np.asarray(phase[:n])), current
+    return Components(k[:, 0], k[:, 1], omega, *[np.asarray(v[: len(bins)]) for v in (amplitude, phase)]), current

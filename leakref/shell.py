@@ -24,7 +24,7 @@ from leakref.window import window
 
 __all__ = [
     "EDGE_MARGIN", "HALF_WIDTH", "Extraction", "Note", "Optimum", "Shell", "checked_wavenumbers", "collect",
-    "nothing", "shell_at", "velocity_unit",
+    "nothing", "shell_at",
 ]  # fmt: skip
 
 HALF_WIDTH = 2.0
@@ -147,16 +147,6 @@ def _leaked(spectrum: Spectrum, distances: tuple[IntArray, IntArray, IntArray]) 
     taper, sizes = window(spectrum.window), spectrum.grid.shape
     x, y, t = (taper.sidelobe_envelope(d, n) for d, n in zip(distances, sizes, strict=True))
     return (x * y)[:, None] * t
-
-
-def velocity_unit(wavenumber: float, water: Water, peak_wavenumber: float | None) -> float:
-    """c0, the phase velocity at k0: the unit in which the search starts and flags are judged.
-
-    Where the peak is not given: k0 = 1 if gravity is 1 (scaled units), else the shell's own wavenumber, which
-    keeps results the same at every scale (decision D21).
-    """
-    default = 1.0 if water.gravity == 1 else wavenumber
-    return float(water.phase_velocity(peak_wavenumber or default))
 
 
 def shell_at(spectrum: Spectrum, wavenumber: float, *, water: Water = DEEP, half_width: float = HALF_WIDTH) -> Shell:

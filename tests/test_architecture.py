@@ -28,7 +28,7 @@ ROOMS = {
     "_base": set(),
     "grid": set(),
     "dispersion": set(),
-    "currents": set(),
+    "currents": {"dispersion"},
     "sea": {"grid", "dispersion", "currents"},
     "synthesis": {"sea"},
     "window": {"grid"},

@@ -24,7 +24,7 @@ from leakref.claims.stored import stored_decision, stored_decisions, turned
 from leakref.claims.variants import CONFIGURATIONS, NONE, VARIANTS
 from leakref.claims.words import above, bias, every
 from leakref.decisions import DECISIONS, SLIPS
-from leakref.dispersion import velocity_resolutions
+from leakref.dispersion import DEEP, velocity_resolutions
 from leakref.ensemble import Ensemble
 from leakref.shell import Note
 
@@ -109,6 +109,7 @@ def test_the_reasons_for_no_effect_are_true():
     grids = [c.grid for members in CASES.values() for c in members]
     assert all(grid.bin_widths[0] == grid.bin_widths[1] for grid in grids)  # D20
     assert all(3.5 + 2 * grid.wavenumber_resolution < 0.6 * grid.nyquist[0] for grid in grids)  # D24
+    assert {c.water for members in CASES.values() for c in members} == {DEEP}  # D26 to D30
     values = np.random.default_rng(1).normal(1, 0.1, (100, 3, 2))
     e = ensemble(values)
     assert e.random / np.std(e.magnitudes, axis=0) == pytest.approx(np.sqrt(100 / 99))  # D12, 0.5 %

@@ -197,6 +197,7 @@ def test_a_shell_knows_the_frequency_of_its_own_wavenumber():
 WITNESSES = {
     "dispersion.py",
     "golden/oracle.py",
+    "golden/oraclewater.py",
     "certify/strength/variants.py",
     "certify/strength/fault.py",
     "certify/templates/python/adapter.py",

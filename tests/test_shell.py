@@ -9,7 +9,7 @@ import oracles
 import pytest
 
 from leakref import Components, Grid, LeakrefError, Note, Spectrum, analyse, fourier, leakage, nsp, shell_wavenumbers
-from leakref.dispersion import DEEP, Water
+from leakref.dispersion import DEEP, Water, velocity_unit
 from leakref.shell import (
     EDGE_MARGIN,
     HALF_WIDTH,
@@ -19,7 +19,6 @@ from leakref.shell import (
     collect,
     nothing,
     shell_at,
-    velocity_unit,
 )
 
 

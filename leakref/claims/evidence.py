@@ -163,9 +163,8 @@ def _computed(configuration: Configuration, realization: int, setting: Setting) 
     if setting.without_peak:
         rest = ~peak_waves(waves)
         waves = Components(*(getattr(waves, name)[rest] for name in waves.__dataclass_fields__))
-    found = fast.realize(
-        waves, configuration.grid, k, windows=windows, width=setting.width, threshold=setting.threshold, search=False
-    )
+    how: dict[str, Any] = {"width": setting.width, "threshold": setting.threshold, "search": False}
+    found = fast.realize(waves, configuration.grid, k, windows=windows, water=configuration.water, **how)
     return np.array([[found[window, method].velocities for method in METHODS] for window in windows])
 
 

@@ -77,6 +77,7 @@ def velocities(
         own.wavenumbers,
         windows=windows,
         methods=variant.methods,
+        water=own.water,
         width=setting.width,
         threshold=chain.leastsquares.THRESHOLD if own_threshold else setting.threshold,
         search=False,

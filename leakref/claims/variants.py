@@ -209,9 +209,9 @@ VARIANTS: dict[str, Variant] = {v.id: v for v in (
     Variant("printed-amplitudes", "D15", "amplitudes as printed: 2 k^-3/2 S f dk",
             _one("sea", "* f * dk**2", "* f * 2 * dk"), realizations=3),
     Variant("encounter-frequency", "D17", "S at the Doppler-shifted frequency",
-            _one("sea", "jonswap(DEEP.frequency(k), self.peakedness)",
-                 "jonswap(DEEP.frequency(k) + dk * np.sum(np.stack([i, j], axis=1) * "
-                 "self.current.doppler_shift_velocity(k), axis=1), self.peakedness)"),
+            _one("sea", "jonswap(water.frequency(k) / peak, self.peakedness)",
+                 "jonswap((water.frequency(k) + dk * np.sum(np.stack([i, j], axis=1) * "
+                 "self.current.doppler_shift_velocity(k), axis=1)) / peak, self.peakedness)"),
             configurations=(_OPPOSING, _ROTATED), needs="speed"),
     Variant("polar-measure", "D18", "integrals with the measure dtheta dk: weight 1 / k (none at k = 0)",
             (Change("nsp", "def characteristic_function(", _MEASURE),
@@ -227,8 +227,9 @@ VARIANTS: dict[str, Variant] = {v.id: v for v in (
             _one("fast.leastsquares", "bx + kx * (m - ring.centre[n]), by + ky * (m - ring.centre[n])",
                  "bx + kx * m, by + ky * m"), ("ls",)),
     Variant("unit-by-shell", "D21", "the phase velocity at the shell's own wavenumber as the unit of the simplex",
-            _one("shell", "water.phase_velocity(peak_wavenumber or default)", "water.phase_velocity(wavenumber)"),
-            methods=("nsp",)),
+            _one("nsp", "velocity_unit(k_i, water, peak_wavenumber)", "velocity_unit(k_i, water, k_i)"),
+            _one("fast", "velocity_unit(float(k_i), water, peak_wavenumber)", "velocity_unit(k_i, water, k_i)"),
+            ("nsp",)),
     Variant("other-sense", "D23", "video rotated clockwise", _one("cases", "sea.rotated(self.rotation,",
                                                                   "sea.rotated(-self.rotation,"),
             configurations=(_ROTATED,), needs="rotation", sense=-1),
@@ -242,6 +243,7 @@ NONE: dict[str, str] = {
     "D22": "says which seas are run, not how",
     "D24": "no shell of the paper reaches the Nyquist wavenumber",
     "D25": "every shell of the paper has a number under NSP; see the variants of D7 for LS",
+    **dict.fromkeys(("D26", "D27", "D28", "D29", "D30"), "all water of the paper is deep, without surface tension"),
 }
 """Decisions that move no velocity of the paper's cases by construction, and why."""
 

@@ -27,7 +27,7 @@ from leakref._base import LARGEST, FloatArray, LeakrefError, finite, vector
 from leakref._output import write_whole
 from leakref.cases import Configuration
 from leakref.cubes.formats import KNOWN, WAVES, netcdf_library, raw_variables, refuse
-from leakref.dispersion import Scales
+from leakref.dispersion import DEEP, Scales
 from leakref.grid import Grid
 from leakref.sea import Components
 from leakref.synthesis import synthesize
@@ -75,8 +75,12 @@ class Cube:
 def of_configuration(configuration: Configuration, realization: int, scales: Scales | None = None) -> Cube:
     """Surface and truth of one realisation, in scaled units or those of `scales` (SI, unless its gravity is 1).
 
-    `realization` counts from 0. The whole surface is made in memory: 176 MB for the paper's L = 10, T = 20.
+    `realization` counts from 0. The whole surface is made in memory: 176 MB for the paper's L = 10, T = 20. Raises
+    LeakrefError for water that is not deep, since a cube does not say its depth.
     """
+    if configuration.water != DEEP:
+        fault = f"{configuration.id} is in {configuration.water}, and files say nothing of depth and tension"
+        raise LeakrefError("of_configuration", fault, "make its surface by synthesize, and keep its water beside it")
     to = scales or Scales()
     waves, grid, c = configuration.components(realization), configuration.grid, configuration.current
     if scales:

@@ -24,7 +24,7 @@ import numpy.typing as npt
 
 from leakref import leakage, nsp
 from leakref._base import FloatArray, IntArray, LeakrefError, positive
-from leakref.dispersion import Water, law
+from leakref.dispersion import Water, law, velocity_unit
 from leakref.fast.basins import PLACES, POOL, peaks, pool
 from leakref.fast.leastsquares import least_squares, only_leaked
 from leakref.fast.score import DENSE, ORDER, Ring, climb, hermite, models, outdone, principal
@@ -47,7 +47,6 @@ from leakref.shell import (
     collect,
     nothing,
     shell_at,
-    velocity_unit,
 )
 from leakref.spectrum import Spectrum
 from leakref.window import window as named_window

@@ -14,10 +14,13 @@ from typing import Any
 
 from mpmath import mp, mpf
 
+from leakref.golden.oraclewater import depth_factor, dispersion, doppler, group_velocity
+
 __all__ = [
-    "Bins", "Shell", "at_digits", "characteristic", "closed_lobe", "components", "dispersion", "doppler", "jonswap",
-    "kernel", "lattice_phase", "least_squares", "lobe", "mean_square", "nearest_root", "newton", "score",
-    "shell_bins", "spectrum", "spreading", "statistics", "surface", "transformed", "window",
+    "Bins", "Shell", "at_digits", "characteristic", "closed_lobe", "components", "depth_factor", "dispersion",
+    "doppler", "group_velocity", "jonswap", "kernel", "lattice_phase", "least_squares", "lobe", "mean_square",
+    "nearest_root", "newton", "score", "shell_bins", "spectrum", "spreading", "statistics", "surface", "transformed",
+    "window",
 ]  # fmt: skip
 
 DIGITS = 40
@@ -39,11 +42,6 @@ def at_digits(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 # ---------------------------------------------------------------- sea
-
-
-def dispersion(k: Number, gravity: Number = 1) -> Number:
-    """omega0 of sec:theory. omega0 = sqrt(g k), deep water."""
-    return mp.sqrt(mpf(gravity) * mpf(k))
 
 
 def jonswap(w: Number, peakedness: Number) -> Number:
@@ -82,33 +80,15 @@ def lattice_phase(realization: int, i: int, j: int) -> Number:
     return mpf((word >> 11) * (2 * float(mp.pi) * 2.0**-53))
 
 
-def doppler(current: Mapping[str, Any], k: Number) -> tuple[Number, Number]:
-    """eq:SJ, 2k times the integral of U(z) exp(2kz) over z <= 0, by quadrature. Substituted is s = exp(2 k z), so that
-    the half line becomes 0 to 1.
-    """
-    k = mpf(k)
-
-    def component(axis: int) -> Number:
-        pieces = [0, mpf(1) / 1000, mpf(1) / 20, mpf(1) / 2, 1]
-        return mp.quad(lambda s: _profile(current, mp.log(s) / (2 * k))[axis], pieces)
-
-    return component(0), component(1)
-
-
-def _profile(current: Mapping[str, Any], z: Number) -> tuple[Number, Number]:
-    """U(z), z <= 0, of the kinds described in golden/README.md."""
-    u, v = (mpf(value) for value in current.get("velocity", (0, 0)))
-    su, sv = (mpf(value) for value in current.get("shear", (0, 0)))
-    layers = [(mpf(a), mpf(b), mpf(depth)) for a, b, depth in current.get("layers", ())]
-    return (
-        u + su * z + mp.fsum(a * mp.exp(z / d) for a, _, d in layers),
-        v + sv * z + mp.fsum(b * mp.exp(z / d) for _, b, d in layers),
-    )
-
-
 def components(sea: Mapping[str, Any], shift: Callable[[Number], tuple[Number, Number]]) -> list[list[Number]]:
-    """sec:spectrum on the lattice of decision D10: kx, ky, omega, amplitude, phase; `shift` is eq:SJ at k."""
+    """sec:spectrum on the lattice of decision D10: kx, ky, omega, amplitude, phase; `shift` is eq:SJ at k.
+
+    `sea` may hold a `depth` and a `surface_tension`, in scaled units: the spectrum is then that of TMA, in
+    omega / omega0(k0), and its density over the plane is 2 (d omega0 / d k) / k times that over frequencies.
+    """
     dk = mpf(341) / 1000 / mpf(sea["length"])
+    water = (1, sea.get("depth"), sea.get("surface_tension", 0))
+    peak = dispersion(1, *water)
     m = int(mpf("3.5") / dk)
     waves = []
     for i in range(-m, m + 1):
@@ -117,14 +97,18 @@ def components(sea: Mapping[str, Any], shift: Callable[[Number], tuple[Number, N
             if not 0 < k <= mpf("3.5"):
                 continue
             f = spreading(mp.degrees(mp.atan2(j, i)), sea["direction"], sea["spread"])
-            energy = jonswap(dispersion(k), sea["peakedness"]) * f / k ** mpf("1.5") * dk**2
+            energy = jonswap(dispersion(k, *water) / peak, sea["peakedness"]) * f * dk**2
+            if energy > 0 and any(water[1:]):
+                energy *= depth_factor(k, water[1]) * 2 * group_velocity(k, *water) / k
+            else:
+                energy /= k ** mpf("1.5")
             if energy > 0:
                 u, v = shift(k)
                 waves.append(
                     [
                         dk * i,
                         dk * j,
-                        dispersion(k) + dk * (i * u + j * v),
+                        dispersion(k, *water) + dk * (i * u + j * v),
                         mp.sqrt(energy),
                         lattice_phase(sea["realization"], i, j),
                     ]
@@ -273,7 +257,10 @@ def transformed(eta: Any, name: str) -> list[list[list[Number]]]:
 
 
 class Shell:
-    """F on the bins around a wavenumber: `columns` (i, j), their k and omega0; frequencies and their weights."""
+    """F on the bins around a wavenumber: `columns` (i, j), their k and omega0; frequencies and their weights.
+
+    omega0 is that of water of the `gravity`, `depth` (None: without a bottom) and `surface_tension` that are given.
+    """
 
     def __init__(
         self,
@@ -283,11 +270,14 @@ class Shell:
         spacing: Sequence[float],
         gravity: float,
         width: Number = 4,
+        depth: float | None = None,
+        surface_tension: float = 0,
     ) -> None:
         sides = [n * mpf(d) for n, d in zip(shape, spacing, strict=True)]
         self.kx = [2 * mp.pi * i / sides[0] for i, _ in columns]
         self.ky = [2 * mp.pi * j / sides[1] for _, j in columns]
-        self.omega0 = [dispersion(mp.hypot(p, q), gravity) for p, q in zip(self.kx, self.ky, strict=True)]
+        water = (gravity, depth, surface_tension)
+        self.omega0 = [dispersion(mp.hypot(p, q), *water) for p, q in zip(self.kx, self.ky, strict=True)]
         nt, resolution = shape[2], 2 * mp.pi / sides[2]
         self.omega = [m * resolution for m in range(nt // 2 + 1)]
         self.weight = [mpf(1) / 2 if m in (0, nt / 2) else mpf(1) for m in range(nt // 2 + 1)]

@@ -17,7 +17,8 @@ import numpy as np
 
 from leakref._base import FloatArray, LeakrefError
 from leakref.cases import Configuration
-from leakref.currents import Current, ExponentialCurrent, LinearCurrent, UniformCurrent
+from leakref.currents import Current, ExponentialCurrent, LinearCurrent, UniformCurrent, shift_in
+from leakref.dispersion import Water
 from leakref.ensemble import Ensemble
 from leakref.sea import Components, SeaState
 
@@ -86,12 +87,12 @@ class Sheared(Configuration):
 
     @property
     def truth(self) -> FloatArray:
-        """eq:SJ at the shells' wavenumbers, (n, 2)."""
-        return self.depending_on_depth.doppler_shift_velocity(self.wavenumbers)
+        """eq:SJ, or what it becomes above a bottom (decision D30), at the shells' wavenumbers, (n, 2)."""
+        return shift_in("Sheared", self.depending_on_depth, self.wavenumbers, self.water)
 
     def components(self, realization: int) -> Components:
         """The waves of one realisation, each shifted by its own eq:SJ."""
-        sea = SeaState(self.direction, self.spread, self.peakedness, self.length, self.depending_on_depth)
+        sea = SeaState(self.direction, self.spread, self.peakedness, self.length, self.depending_on_depth, self.water)
         return sea.components(realization)
 
 
@@ -139,11 +140,12 @@ class Inferred:
         return {**asdict(self), "spurious": self.spurious}
 
 
-def _slope(wavenumbers: FloatArray, velocities: FloatArray) -> FloatArray:
-    """Least-squares slope of velocities (..., n) over the effective depths -1 / 2k, (...); none of a constant. Depths
-    are -1 / 2k, in `1 / k0`, so that a slope is in `c0 k0`.
+def _slope(wavenumbers: FloatArray, velocities: FloatArray, water: Water) -> FloatArray:
+    """Least-squares slope of velocities (..., n) over the effective depths, (...); none of a constant. Effective is the
+    depth whose current shifts a wave where the shear is constant, -1 / 2k in deep water, in `1 / k0`, so that a slope
+    is in `c0 k0`.
     """
-    z = -0.5 / wavenumbers
+    z = LinearCurrent((0.0, 0.0), (1.0, 0.0)).doppler_shift_velocity(wavenumbers, water)[:, 0]
     z = z - z.mean()
     return (velocities - velocities[..., :1]) @ z / (z @ z)
 
@@ -159,7 +161,7 @@ def inferred(ensemble: Ensemble) -> list[Inferred]:
     rows = []
     for band, smallest in BANDS.items():
         on = k >= smallest - 1e-9
-        each = _slope(k[on], ensemble.velocities[:, on] @ c.along)
+        each = _slope(k[on], ensemble.velocities[:, on] @ c.along, c.water)
         each = each[np.isfinite(each)]
         random = float(each.std(ddof=1)) if each.size > 1 else float("nan")
         rows.append(
@@ -169,7 +171,7 @@ def inferred(ensemble: Ensemble) -> list[Inferred]:
                 ensemble.window,
                 ensemble.method,
                 band,
-                float(_slope(k[on], (c.truth @ c.along)[on])),
+                float(_slope(k[on], (c.truth @ c.along)[on], c.water)),
                 float(each.mean()) if each.size else float("nan"),
                 random,
                 random / float(np.sqrt(max(each.size, 1))),

@@ -20,7 +20,7 @@ from leakref import runs
 from leakref._base import FloatArray, LeakrefError, finite, integer, positive
 from leakref.cases import Configuration
 from leakref.chain import shell_wavenumbers
-from leakref.dispersion import DEEP, Scales
+from leakref.dispersion import Scales
 from leakref.ensemble import Ensemble
 from leakref.grid import SPACING, TIME_STEP, Grid
 from leakref.shell import EDGE_MARGIN, HALF_WIDTH
@@ -206,7 +206,7 @@ class Campaign:
         wavenumbers.
         """
         k = np.linspace(1, self.flight.wavenumbers.max(), 400)
-        fastest = DEEP.frequency(k) + k * self.speed / self.scales.velocity
+        fastest = self.flight.water.frequency(k) + k * self.speed / self.scales.velocity
         beyond = k[fastest >= self.flight.grid.nyquist[2]]
         return float(self.peak_wavelength / beyond[0]) if beyond.size else None
 

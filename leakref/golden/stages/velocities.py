@@ -22,7 +22,7 @@ import numpy as np
 from leakref._base import FloatArray
 from leakref.cases import Configuration
 from leakref.chain import analyse, extract
-from leakref.dispersion import DEEP, Water
+from leakref.dispersion import DEEP, Water, velocity_unit
 from leakref.ensemble import Ensemble
 from leakref.golden import oracle
 from leakref.golden.sets import tolerance
@@ -39,7 +39,7 @@ from leakref.golden.stages.stage import (
     turns,
 )
 from leakref.nsp import WIDTH, normalized_scalar_product, score_derivatives
-from leakref.shell import Extraction, Shell, shell_at, velocity_unit
+from leakref.shell import Extraction, Shell, shell_at
 from leakref.spectrum import Spectrum
 
 __all__ = ["STAGES", "UNFLAGGED", "softness", "velocity_conditioning"]
