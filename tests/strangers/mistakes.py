@@ -25,7 +25,8 @@ REPAIRS = """
     x-reversed y-reversed time-reversed cube-exchanged dt-interval dx-interval dy-interval lengths-interval
     n-exchanged mean-removed square-pixels gravity wavenumbers-cycles wavenumbers-halved wavenumbers-to-bins
     frequency-hertz degrees negated flipped-x flipped-y exchanged quarter-turn quarter-turn-back
-    exchanged-and-negated factor factor-x factor-y nautical turned lost-x lost-y
+    exchanged-and-negated factor factor-x factor-y nautical turned lost-x lost-y dt-doubled dt-halved
+    frames-interlaced taper-not-along-x stops-early
 """
 """What the diagnosis calls what is done around a code to cure it, but for those with a figure (`frames-dt:2`)."""
 

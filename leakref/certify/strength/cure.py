@@ -220,7 +220,7 @@ class Search:
                     for clue in self.failed[:_FIRST]:
                         self._count(first[-1], clue)
                 found += [one for one in first if not one.missed and self._goes_on(one, _FIRST, _ASKED)
-                          and self._holds(one) and self._harmless(one)]  # fmt: skip
+                          and self._holds(one) and self._harmless(one) and not self._rivalled(one)]  # fmt: skip
         except Spent:
             if not found:
                 raise
@@ -248,6 +248,13 @@ class Search:
         if one.right and (one.cured >= _EVIDENCE or one.repair.parts == 1):
             return _digits(one) >= (HOLDS if one.cured >= _EVIDENCE else _SURE)
         return one.cured >= _EVIDENCE and float(np.median(one.near)) <= 0.5
+
+    def _rivalled(self, one: _Candidate) -> bool:
+        """Whether another repair does as well that cannot if this one is the reason."""
+        rival, some = one.handed.rival, self.failed[:_FIRST]
+        return rival is not None and all(
+            self._finding(clue, rival, one.answered).verdict is Verdict.PASS for clue in some
+        )
 
     def _harmless(self, one: _Candidate) -> bool:
         """Whether all that passed, as far as it is asked again, passes with it."""

@@ -72,7 +72,7 @@ class Repair:
 
     `matrix` is there if `back` is a linear map, the same for all questions. `at` is the factor between wavenumbers of
     the answer, if it has its own, and those asked for; `square` asks on square pixels; `alone` one wavenumber at a
-    time.
+    time. `rival` is one that must not hold beside it, if it is for the reason that it says.
     """
 
     id: str
@@ -84,6 +84,7 @@ class Repair:
     square: bool = False
     alone: bool = False
     parts: int = 1
+    rival: Repair | None = None
 
 
 def joined(first: Repair, second: Repair) -> Repair:

@@ -175,7 +175,15 @@ def _in_units(length: Callable[[Question], float], time: Callable[[Question], fl
 
 
 def gravity(value: float, digits: int = 4) -> Repair:
-    """In units of time in which gravity is what the code seems to take it for."""
+    """In units of time in which gravity is what the code seems to take it for.
+
+    Its rival is a gravity half as large again: under which a code that takes it for `value` is wrong, and one that merely
+    does better in other units (since it rounds) is right as well.
+    """
+    return replace(_of_gravity(value, digits), rival=_of_gravity(1.5 * value, digits))
+
+
+def _of_gravity(value: float, digits: int) -> Repair:
     words = f"gravity is {value:.{digits}g}, whatever it is told (by the unit of time)"
     unit = Scales(gravity=value).time
     by = _in_units(lambda q: 1.0, lambda q: unit / Scales(gravity=q.gravity).time)
