@@ -23,8 +23,11 @@ from leakref.window import WINDOWS, window
 __all__ = ["Reference", "analyse", "extract", "reference", "shell_wavenumbers", "transform"]
 
 
-def shell_wavenumbers(grid: Grid, smallest: float = 0.4, largest: float = 3.5) -> FloatArray:
-    """k_i = i dk with `smallest` <= k_i <= `largest` (decision D9): overlapping shells, one a bin, (n,)."""
+def shell_wavenumbers(grid: Grid, smallest: float, largest: float) -> FloatArray:
+    """k_i = i dk with `smallest` <= k_i <= `largest`, rad per length: overlapping shells, one a bin, (n,).
+
+    The paper's are from 0.4 to 3.5 k0 (decision D9). Raises LeakrefError for limits that are not positive.
+    """
     positive("shell_wavenumbers", smallest=smallest, largest=largest)
     dk = grid.wavenumber_resolution
     first, last = int(np.ceil(smallest / dk - 1e-9)), int(np.floor(largest / dk + 1e-9))
@@ -35,12 +38,12 @@ def analyse(
     spectrum: Spectrum,
     wavenumbers: npt.ArrayLike,
     *,
-    gravity: float = 1.0,
+    gravity: float | None = None,
     water: Water | None = None,
     method: str = "nsp",
     **settings: Any,
 ) -> Extraction:
-    """Velocities from a spectrum by a `method` of `methods.METHODS`, in `water` or deep water of some `gravity`.
+    """Velocities from a spectrum by a `method` of `methods.METHODS`, in `water`, or in deep water of some `gravity`.
 
     `settings` are `half_width` and those of the method; of `peak_wavenumber` and `search`, which say how a search is
     judged, a method takes what it knows. Raises LeakrefError.
@@ -56,7 +59,7 @@ def extract(
     spacing: tuple[float, float, float],
     wavenumbers: npt.ArrayLike,
     *,
-    gravity: float = 1.0,
+    gravity: float | None = None,
     window: str = "hann",
     method: str = "nsp",
     **settings: Any,
@@ -64,7 +67,8 @@ def extract(
     """From a surface eta[x, y, t] sampled at `spacing` (dx, dy, dt) to velocities at `wavenumbers` (n,).
 
     Angular units throughout: wavenumbers in rad per unit of length, velocities in its units of length and
-    time, `gravity` likewise (1 for scaled units). Raises LeakrefError.
+    time, `gravity` likewise: 9.81 for metres and seconds, 1 for the paper's scaled units. There is no default, which
+    would be right in one of them only; in the `settings` there may be `water` instead. Raises LeakrefError.
     """
     eta = finite("extract", "surface", surface, 3)
     spectrum = fourier(levelled(eta)[0], Grid(eta.shape, spacing), window)

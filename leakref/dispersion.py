@@ -51,9 +51,13 @@ DEEP = Water()
 """The paper's water, in its scaled units."""
 
 
-def law(call: str, gravity: float, water: Water | None) -> Water:
+def law(call: str, gravity: float | None, water: Water | None) -> Water:
     """The `water` that was given, or deep water of some `gravity`; LeakrefError in the name of `call` for neither."""
+    if water is None and gravity is None:
+        remedy = "give it in the units of the surface: 9.81 for metres and seconds, 1 for the paper's scaled units"
+        raise LeakrefError(call, "there is neither gravity nor water", remedy)
     if water is None:
+        assert gravity is not None
         positive(call, gravity=gravity)
         return Water(gravity)
     if isinstance(water, type):

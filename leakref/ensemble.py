@@ -144,4 +144,4 @@ def realize(
     if route == "B":
         return fast.realize(waves, grid, k, windows=configuration.windows, methods=methods)
     spectra = transform(waves, grid, configuration.windows, route=route)
-    return {(s.window, method): analyse(s, k, method=method) for s in spectra for method in methods}
+    return {(s.window, method): analyse(s, k, method=method, gravity=1.0) for s in spectra for method in methods}

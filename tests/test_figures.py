@@ -161,7 +161,7 @@ def test_figures_of_a_cube_can_be_read(untapered, tapered):
     units = ("rad/m", "m/s")
     resolutions = velocity_resolutions(k, grid.wavenumber_resolution, grid.frequency_resolution)
     flags = [["flat", "edge"], [], ["leakage"], [], []]
-    found = analyse(tapered, k, search=False)
+    found = analyse(tapered, k, search=False, gravity=1.0)
     drawn = extraction_figure(found, flags, resolutions, units, "cube.nc: nsp, window hann", np.array([0.1, 0.0]))
     assert unreadable(drawn) == []
     screened = screen(untapered, tapered, k)

@@ -40,7 +40,7 @@ def screened(configuration, realization, wavenumbers):
         )
         for window in ("box", "hann")
     ]
-    return screen(*spectra, wavenumbers)
+    return screen(*spectra, wavenumbers, gravity=1.0)
 
 
 def errors(result):
@@ -121,7 +121,9 @@ def test_a_bin_aligned_cube_is_never_flagged_where_it_holds_energy():
         dk = grid.wavenumber_resolution
         k = np.arange(4, int(2.2 / dk) + 1) * dk
         result = screen(
-            *(leakage.spectrum(waves, grid, window, largest_wavenumber=k[-1] + 3 * dk) for window in ("box", "hann")), k
+            *(leakage.spectrum(waves, grid, window, largest_wavenumber=k[-1] + 3 * dk) for window in ("box", "hann")),
+            k,
+            gravity=1.0,
         )
         held = np.array([np.any(np.abs(np.hypot(waves.kx, waves.ky) - one) <= 2 * dk) for one in k])
         assert LEAKAGE not in result.verdicts
@@ -145,7 +147,7 @@ def test_the_same_waves_off_their_bins_are_flagged():
             waves.phase,
         )
         k = np.arange(5, 14) * grid.wavenumber_resolution
-        result = screen(*(leakage.spectrum(moved, grid, window) for window in ("box", "hann")), k)
+        result = screen(*(leakage.spectrum(moved, grid, window) for window in ("box", "hann")), k, gravity=1.0)
         assert result.leaked.min() > LEAKED_SHARE
         found += result.verdicts
     assert LEAKAGE in found
@@ -200,11 +202,11 @@ def test_noise_is_no_signal_and_a_sea_in_noise_is():
     grid = SMALL[1]
     k = np.arange(4, 14) * grid.wavenumber_resolution
     noise = np.random.default_rng(3).normal(size=grid.shape)
-    assert set(screen(fourier(noise, grid, "box"), fourier(noise, grid), k).verdicts) == {NO_SIGNAL}
+    assert set(screen(fourier(noise, grid, "box"), fourier(noise, grid), k, gravity=1.0).verdicts) == {NO_SIGNAL}
     waves = SeaState(direction=70, spread=60, length=6).components(0)
     sea = synthesize(waves, *(grid.samples(axis) for axis in range(3)))
     noisy = sea + 0.1 * sea.std() * noise
-    assert NO_SIGNAL not in screen(fourier(noisy, grid, "box"), fourier(noisy, grid), k[3:8]).verdicts
+    assert NO_SIGNAL not in screen(fourier(noisy, grid, "box"), fourier(noisy, grid), k[3:8], gravity=1.0).verdicts
 
 
 def test_signal_ends_where_the_sea_ends():
@@ -268,7 +270,7 @@ def test_velocities_are_turned_back():
     surface = synthesize(waves, *(grid.samples(axis) for axis in range(3)))
     k = np.array([0.2, 1.6, 2.0, 5.9])
     seen, smaller = rotate(surface, grid, 30)
-    found = turn([fourier(seen, smaller, window) for window in ("box", "hann")], k, 30)
+    found = turn([fourier(seen, smaller, window) for window in ("box", "hann")], k, 30, gravity=1.0)
     assert np.isnan(found.tapered[[0, 3]]).all()  # no whole shell there
     off = np.hypot(*(found.tapered - current).T)[1:3]
     assert np.all(off < found.resolution[1:3])
@@ -294,9 +296,9 @@ def test_a_disagreement_after_the_turn_alone_is_leakage():
     grid = SMALL[1]
     spectra = [leakage.spectrum(SeaState(length=6).components(0), grid, window) for window in ("box", "hann")]
     k = np.array([1.0, 1.5])
-    plain = screen(*spectra, k)
+    plain = screen(*spectra, k, gravity=1.0)
     assert plain.verdicts == (FINE, FINE)
-    away = turn(spectra, k, 0.0)
-    assert screen(*spectra, k, rotated=away).verdicts == (FINE, FINE)
+    away = turn(spectra, k, 0.0, gravity=1.0)
+    assert screen(*spectra, k, rotated=away, gravity=1.0).verdicts == (FINE, FINE)
     away.untapered[1] += 1.01 * away.resolution[1]
-    assert screen(*spectra, k, rotated=away).verdicts == (FINE, LEAKAGE)
+    assert screen(*spectra, k, rotated=away, gravity=1.0).verdicts == (FINE, LEAKAGE)

@@ -72,7 +72,11 @@ def literal(configuration: Configuration, realization: int) -> dict[tuple[str, s
     """
     k = configuration.wavenumbers
     spectra = chain.transform(configuration.components(realization), configuration.grid, configuration.windows)
-    return {(s.window, method): chain.analyse(s, k, method=method, search=False) for s in spectra for method in METHODS}
+    return {
+        (s.window, method): chain.analyse(s, k, method=method, search=False, gravity=1.0)
+        for s in spectra
+        for method in METHODS
+    }
 
 
 def _stages(configuration: Configuration, machine: Machine) -> list[Row]:
@@ -98,8 +102,8 @@ def _stages(configuration: Configuration, machine: Machine) -> list[Row]:
         "nsp": {"methods": ("nsp",), "search": False},
     }
     least = {name: _fast(configuration, 15, min, **settings) for name, settings in parts.items()}  # for differences
-    literal_nsp = seconds(lambda: chain.analyse(spectrum, k, search=False), 1)
-    literal_ls = seconds(lambda: chain.analyse(spectrum, k, method="ls"))
+    literal_nsp = seconds(lambda: chain.analyse(spectrum, k, search=False, gravity=1.0), 1)
+    literal_ls = seconds(lambda: chain.analyse(spectrum, k, method="ls", gravity=1.0))
     read = magnitudes_traffic(grid, k)
 
     def row(name: str, time: float, limit: str, asked: float, against: str = "", ratio: float | None = None) -> Row:

@@ -149,7 +149,7 @@ def screen(
     tapered: Spectrum,
     wavenumbers: FloatArray,
     *,
-    gravity: float = 1.0,
+    gravity: float,
     method: str = "nsp",
     rotated: Turned | None = None,
 ) -> Screening:
@@ -207,7 +207,7 @@ def rotate(surface: Any, grid: Grid, angle: float) -> tuple[FloatArray, Grid]:
 
 
 def turn(
-    spectra: Sequence[Spectrum], wavenumbers: FloatArray, angle: float, *, gravity: float = 1.0, method: str = "nsp"
+    spectra: Sequence[Spectrum], wavenumbers: FloatArray, angle: float, *, gravity: float, method: str = "nsp"
 ) -> Turned:
     """The velocities from the (untapered, tapered) spectra of a cube rotated by `angle`, turned back.
 

@@ -18,7 +18,7 @@ import numpy.typing as npt
 
 from leakref import runs
 from leakref._base import FloatArray, LeakrefError, finite, integer, positive
-from leakref.cases import Configuration
+from leakref.cases import SHELLS, Configuration
 from leakref.chain import shell_wavenumbers
 from leakref.dispersion import DEEP, Scales
 from leakref.ensemble import Ensemble
@@ -74,7 +74,7 @@ class Flight(Configuration):
     @property
     def wavenumbers(self) -> FloatArray:
         """Those of the paper's shells (decision D9) that lie within the Nyquist wavenumber, (n,)."""
-        k, dk = shell_wavenumbers(self.grid), self.grid.wavenumber_resolution
+        k, dk = shell_wavenumbers(self.grid, *SHELLS), self.grid.wavenumber_resolution
         return k[k + HALF_WIDTH * dk < min(self.grid.nyquist[:2]) * (1 - EDGE_MARGIN)]
 
 
