@@ -150,7 +150,8 @@ def _show(
     if measured.shell is None:
         show.print("- whether there is a dispersion shell was not looked for: the cube is too small", soft_wrap=True)
     for line in () if measured.shell is None else measured.shell.words:
-        show.print(line, soft_wrap=True, highlight=False, markup=False, style="red")
+        style = "yellow" if measured.shell is not None and measured.shell.holds else "red"
+        show.print(line, soft_wrap=True, highlight=False, markup=False, style=style)
     if screened is not None:
         show.print(reporting.summary(screened), soft_wrap=True, highlight=False)
     if out is not None:

@@ -26,16 +26,20 @@ from leakref.nsp import WIDTH
 from leakref.shell import shell_at
 from leakref.spectrum import Spectrum
 
-__all__ = ["CONTRAST", "FACTOR", "GAIN", "NEAR", "SHARE", "Band", "Found", "band", "contrasts"]
+__all__ = ["CONTRAST", "GAIN", "MISPLACED", "NEAR", "SHARE", "SUSPECT", "Band", "Found", "band", "contrasts"]
 
 SHARE = 0.2
 """Of the energy in the band: less than this near the surface is no shell. Seas reach 0.3 to 0.9, still frames 0."""
 CONTRAST = 1.0
-"""The median of the contrasts: below, there is no shell. Seas have 2 to 1e5, leaks from a swell 0.2 to 0.8."""
-GAIN = 0.03
-"""How much larger, in itself, the share must be at another factor for the surface to be called misplaced, and ..."""
-FACTOR = 0.07
-"""... how far from 1 that factor must be, in its logarithm."""
+"""A shell needs this at more than half of the wavenumbers. Seas have 2 to 1e5, leaks from a swell 0.2 to 0.8."""
+GAIN = 0.01
+"""How much larger, in itself, the share must be at another factor F for that to mean anything: in the paper's seas, at
+the right factor, it is 0.0025 at most.
+"""
+SUSPECT, MISPLACED = 0.07, 0.15
+"""How far from 1 such a factor must be, in its logarithm, to be mentioned, and for the surface to be called misplaced.
+Between the two a strong shear does the same: U that falls by 0.1 c0 over a depth of 1 / k0 looks like F = 0.9.
+"""
 NEAR = (0.8, 0.9, 1.0, 1.12, 1.25)
 """Factors from which the best one nearby is looked for."""
 _SIGNIFICANT = 12.0  # times the floor of a ring: one bin of noise in 160 000

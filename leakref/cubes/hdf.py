@@ -54,7 +54,7 @@ def _open(path: Path) -> Any:
             raise LeakrefError(
                 "extract", f"{path} is a zarr store, and zarr is not installed", installed_with("zarr")
             ) from None
-        return xarray.open_dataset(path, engine="zarr", decode_times=False)
+        return xarray.open_dataset(path, engine="zarr", decode_times=False, consolidated=False)
     with path.open("rb") as stream:
         classic = stream.read(3) == b"CDF"
     if classic:

@@ -70,8 +70,8 @@ def _number(path: Path) -> list[tuple[int, str]]:
 def _grey(image: Any) -> tuple[Any, bool]:
     """An image as an array [row, column], and whether colours were averaged to grey.
 
-    Grey images keep their type, uint8, uint16 or float32: nothing is scaled. Of colours the plain mean of red, green and
-    blue is taken, rounded, since no weighting is right for water; transparency is dropped.
+    Grey images keep their type, uint8, uint16 or float32: nothing is scaled. Of colours the plain mean of red, green
+    and blue is taken, rounded, since no weighting is right for water; transparency is dropped.
     """
     if image.mode in ("P", "RGB", "RGBA", "LA", "CMYK", "YCbCr", "PA"):
         colours = np.asarray(image.convert("RGB"), dtype=np.uint8)
@@ -158,8 +158,9 @@ def _stack(path: Path) -> Frames:
 def _video(path: Path) -> Frames:
     """The frames of the first video stream of a file, in the brightness that it stores (luma).
 
-    Frames are counted by their packets, without decoding, and their times are those of the packets in the order in which
-    they are shown. Decoding goes through the file once, from its beginning, and ends with the last frame that is wanted.
+    Frames are counted by their packets, without decoding, and their times are those of the packets in the order in
+    which they are shown. Decoding goes through the file once, from its beginning, and ends with the last frame that is
+    wanted.
     """
     try:
         import av

@@ -27,7 +27,7 @@ IN_MEMORY = deferred.IN_MEMORY
 """A memory-mapped cube larger than this many bytes, as float64, is transformed in blocks."""
 KEPT = 2**30
 """Bytes of spectrum kept of such a cube where no wavenumbers are asked for."""
-_LOOKED_AT = 8  # wavenumbers at which the contrast is taken where others were asked for
+_LOOKED_AT = 5  # wavenumbers at which the contrast is taken where others were asked for
 
 
 @dataclass(frozen=True)

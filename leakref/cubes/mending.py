@@ -59,9 +59,9 @@ def mapped(path: Path, eta: Any, time: Steps, asked: Asked, notes: list[str]) ->
 def _without_doubled(path: Path, eta: Any, time: Steps, asked: Asked, notes: list[str]) -> tuple[Any, Steps]:
     """Without the frames that say what the one before says.
 
-    A frame goes if it is the same to the bit and its stamp says so too, or if it was asked for. Others that are the same
-    are only named, since a calm sea filmed at night may well look so. Where the stamps say nothing of it the frames that
-    are left are taken as even, as after a conversion from 24 to 30 frames a second.
+    A frame goes if it is the same to the bit and its stamp says so too, or if it was asked for. Others that are the
+    same are only named, since a calm sea filmed at night may well look so. Where the stamps say nothing of it the
+    frames that are left are taken as even, as after a conversion from 24 to 30 frames a second.
     """
     nt = eta.shape[2]
     same = [n for n in range(1, nt) if np.array_equal(eta[:, :, n], eta[:, :, n - 1])]
