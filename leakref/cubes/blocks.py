@@ -18,7 +18,7 @@ from leakref.grid import Grid
 from leakref.spectrum import Spectrum
 from leakref.window import window as named_window
 
-__all__ = ["TRENDS", "fourier_in_blocks", "plane", "trend"]
+__all__ = ["TRENDS", "fourier_in_blocks", "largest_kept", "plane", "trend"]
 
 TRENDS = ("none", "mean", "linear")
 """What can be removed before the transform: nothing, the mean, or the plane a + bx x + by y + bt t."""
@@ -79,6 +79,21 @@ def trend(surface: Any, kind: str, *, block: int = _BLOCK) -> FloatArray:
     found /= np.prod(surface.shape, dtype=np.float64)
     found[1:] *= [12 / (n**2 - 1) if kind == "linear" else 0.0 for n in surface.shape]
     return found
+
+
+def largest_kept(surface: Any, grid: Grid, size: float) -> float:
+    """The largest wavenumber, rad per length, up to which `fourier_in_blocks` needs no more than `size` bytes.
+
+    What it needs is the transform along two axes, before the last one follows along the axis that is slowest in the
+    file. `surface` is only asked how it is stored.
+    """
+    axis = int(np.argmax(np.abs(getattr(surface, "strides", (3, 2, 1)))))
+    dkx, dky, _ = grid.bin_widths
+    nx, ny, nt = grid.shape
+    if axis == 2:
+        return float(np.sqrt(size / (16 * nt) * dkx * dky) / 2)
+    across, width = (nx, dky) if axis == 0 else (ny, dkx)
+    return float(size / (16 * across * (nt // 2 + 1)) * width / 2)
 
 
 def plane(
@@ -142,10 +157,14 @@ def fourier_in_blocks(
             partial = np.empty(shape, dtype=np.complex128)
         partial[(slice(None),) * axis + (part,)] = values
     assert partial is not None  # a grid has samples
-    if axis == 2:
-        whole = np.stack([fft.ifft(row, axis=-1, norm="forward")[:, :half] for row in partial])
-    elif axis == 0:
-        whole = np.stack([fft.fft(partial[:, b], axis=0)[kept[0]] for b in range(partial.shape[1])], axis=1)
-    else:
-        whole = np.stack([fft.fft(row, axis=0)[kept[1]] for row in partial])
+    whole = np.empty((kept[0].size, kept[1].size, half), dtype=np.complex128)
+    for n in range(
+        whole.shape[1] if axis == 0 else whole.shape[0]
+    ):  # row by row into its place: nothing is there twice
+        if axis == 2:
+            whole[n] = fft.ifft(partial[n], axis=-1, norm="forward")[:, :half]
+        elif axis == 0:
+            whole[:, n] = fft.fft(partial[:, n], axis=0)[kept[0]]
+        else:
+            whole[n] = fft.fft(partial[n], axis=0)[kept[1]]
     return Spectrum(grid, window, kept[0], kept[1], whole)

@@ -153,7 +153,8 @@ def _show(
         style = "yellow" if measured.shell is not None and measured.shell.holds else "red"
         show.print(line, soft_wrap=True, highlight=False, markup=False, style=style)
     if screened is not None:
-        show.print(reporting.summary(screened), soft_wrap=True, highlight=False)
+        for line in reporting.summary(screened):
+            show.print(line, soft_wrap=True, highlight=False)
     if out is not None:
         there = ", ".join(
             kind

@@ -12,7 +12,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from leakref._base import FloatArray
-from leakref.cubes.screen import Screening
+from leakref.cubes.screen import LEAKAGE, NO_CHANGE, NO_SIGNAL, UNRESOLVED, Screening
 from leakref.figures import COLOURS, figure, styled
 from leakref.shell import Extraction
 
@@ -90,7 +90,12 @@ def screening_figure(
             )
     for values, line, what in zip(resolutions, ("-", "--"), (r"\omega", "k"), strict=True):
         right.plot(k, values, color="0.6", ls=line, lw=1, label=rf"resolution $\delta c_{{\delta {what}}}$")
-    looks = {"fine": ("o", COLOURS[2]), "leakage": ("X", COLOURS[1]), "no signal": ("_", "0.5")}
+    looks = {
+        NO_CHANGE: ("o", COLOURS[2]),
+        UNRESOLVED: ("D", COLOURS[4]),
+        LEAKAGE: ("X", COLOURS[1]),
+        NO_SIGNAL: ("_", "0.5"),
+    }
     for verdict, (marker, colour) in looks.items():
         on = np.array([v == verdict for v in result.verdicts])
         if on.any():

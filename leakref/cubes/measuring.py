@@ -25,8 +25,10 @@ __all__ = ["IN_MEMORY", "KEPT", "Measured", "Request", "measure", "spectrum_of"]
 
 IN_MEMORY = deferred.IN_MEMORY
 """A memory-mapped cube larger than this many bytes, as float64, is transformed in blocks."""
-KEPT = 2**30
-"""Bytes of spectrum kept of such a cube where no wavenumbers are asked for."""
+KEPT = 7 * 2**27
+"""Bytes that the transform of such a cube may take where no wavenumbers are asked for: with all else it stays within
+2 GB, however large the cube is.
+"""
 _LOOKED_AT = 5  # wavenumbers at which the contrast is taken where others were asked for
 
 
@@ -81,7 +83,7 @@ def measure(cube: Cube, request: Request) -> Measured:
     """
     notes = list(cube.notes)
     in_blocks = isinstance(cube.surface, np.memmap) and 8 * cube.surface.size > IN_MEMORY
-    reach = _reach(cube.grid, request, notes) if in_blocks else None
+    reach = _reach(cube, request, notes) if in_blocks else None
     surface, exponent = (cube.surface, 0) if in_blocks else levelled(cube.surface)
     level = replace(cube, surface=surface)
     removed = blocks.trend(surface, request.detrend)
@@ -109,15 +111,14 @@ def measure(cube: Cube, request: Request) -> Measured:
     return Measured(found, screened, notes, trend, contrasts, shell)
 
 
-def _reach(grid: Grid, request: Request, notes: list[str]) -> float:
+def _reach(cube: Cube, request: Request, notes: list[str]) -> float:
     """The largest wavenumber that is kept of a cube that is transformed in blocks."""
     notes.append("the cube was transformed in blocks: it is larger than what is held in memory")
     if request.angle is not None:
         raise LeakrefError("rotate", "the cube is too large to be turned in memory", "leave out --rotate or cut it")
     if request.wavenumbers is not None:
-        return float(request.wavenumbers.max()) + (HALF_WIDTH + 1) * grid.wavenumber_resolution
-    bins = KEPT / (16 * grid.shape[2])  # in the plane
-    return float(np.sqrt(bins * grid.bin_widths[0] * grid.bin_widths[1]) / 2)
+        return float(request.wavenumbers.max()) + (HALF_WIDTH + 1) * cube.grid.wavenumber_resolution
+    return blocks.largest_kept(cube.surface, cube.grid, KEPT)
 
 
 def _trend_words(kind: str, trend: FloatArray) -> str:

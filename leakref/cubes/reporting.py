@@ -22,7 +22,7 @@ from leakref.cubes.cube import UNITS, Cube
 from leakref.cubes.hdf import netcdf_library
 from leakref.shell import Extraction
 
-__all__ = ["PER_LENGTH", "rows", "screen_record", "summary", "table", "write"]
+__all__ = ["LOOKS", "PER_LENGTH", "rows", "screen_record", "summary", "table", "write"]
 
 PER_LENGTH = {"si": "rad/m", "scaled": "k0", "given": "rad per length"}
 """The unit of a wavenumber, by the units of a cube."""
@@ -63,16 +63,25 @@ def screen_record(s: screen.Screening | None, window: str) -> dict[str, Any] | N
     }
 
 
-def summary(s: screen.Screening) -> str:
-    """The verdicts counted, in a line, and what to do if there is leakage."""
-    counts = {v: s.verdicts.count(v) for v in (screen.FINE, screen.LEAKAGE, screen.NO_SIGNAL)}
-    said = ", ".join(f"{verdict} at {count}" for verdict, count in counts.items())
-    if not counts[screen.LEAKAGE]:
-        return f"Screen, of {len(s.verdicts)} wavenumbers: {said}."
-    return (
-        f"Screen, of {len(s.verdicts)} wavenumbers: {said}. Where there is leakage, the untapered velocity changes "
-        "by more than both resolutions: use the tapered one."
-    )
+LOOKS = {
+    screen.NO_CHANGE: ("green", "the taper moves the velocity by less than a tenth"),
+    screen.UNRESOLVED: (
+        "yellow",
+        "the taper moves it by more, but by less than the resolution: it may be off by as much, or not",
+    ),
+    screen.LEAKAGE: ("red", "the untapered velocity changes by more than both resolutions: use the tapered one"),
+    screen.NO_SIGNAL: ("dim", "nothing there but noise or what has leaked: use no velocity"),
+}
+"""The colour of each verdict on the terminal, and what it says. That a velocity is right is said of none."""
+
+
+def summary(s: screen.Screening) -> list[str]:
+    """The verdicts counted, a line each, and what they mean."""
+    lines = [f"Screen, of {len(s.verdicts)} wavenumbers (the screen sees leakage, no other error):"]
+    for verdict, (colour, words) in LOOKS.items():
+        if count := s.verdicts.count(verdict):
+            lines.append(f"  [{colour}]{verdict}[/{colour}] at {count}: {words}")
+    return lines
 
 
 def table(
@@ -102,7 +111,7 @@ def table(
             verdict = screened.verdicts[n]
             row += [
                 f"{screened.disagreement[n]:.4f}",
-                f"[red]{verdict}[/red]" if verdict == screen.LEAKAGE else verdict,
+                f"[{LOOKS[verdict][0]}]{verdict}[/{LOOKS[verdict][0]}]",
             ]
         result.add_row(*row, ", ".join(name for name in flags[n] if name != screen.LEAKAGE))
     return result
