@@ -18,11 +18,11 @@ from typing import Any
 
 import numpy as np
 from rich.console import Console
-from rich.table import Table
 from scipy import fft
 
 from leakref import chain, fast, leakage, runs
 from leakref._output import dump, envelope, folder, progress_bar, write_whole
+from leakref._tables import Table
 from leakref.bench.limits import (
     MATRIX,
     MATRIX_ONE,
@@ -351,7 +351,7 @@ def run(out: Path, *, json: bool = False) -> bool:
         ("against", "left"),
         ("share of the limit", "left"),
     ):
-        table.add_column(name, justify=justify)  # type: ignore[arg-type]
+        table.add_column(name, justify=justify)
     for row in rows:
         table.add_row(
             row.name,

@@ -7,6 +7,7 @@ samples on the way: ones that are not finite are refused with the place where th
 
 from __future__ import annotations
 
+import mmap
 from collections.abc import Iterator
 from typing import Any
 
@@ -18,7 +19,7 @@ from leakref.grid import Grid
 from leakref.spectrum import Spectrum
 from leakref.window import window as named_window
 
-__all__ = ["TRENDS", "fourier_in_blocks", "largest_kept", "plane", "trend"]
+__all__ = ["TRENDS", "fourier_in_blocks", "largest_kept", "plane", "release", "trend"]
 
 TRENDS = ("none", "mean", "linear")
 """What can be removed before the transform: nothing, the mean, or the plane a + bx x + by y + bt t."""
@@ -36,6 +37,7 @@ def _blocks(surface: Any, size: int) -> Iterator[tuple[int, slice, FloatArray]]:
     step = max(1, size * n // (8 * int(np.prod(surface.shape, dtype=np.int64))))
     largest = 0.0
     for start in range(0, n, step):
+        release(surface)
         part = slice(start, min(start + step, n))
         samples = finite(
             "extract",
@@ -49,6 +51,16 @@ def _blocks(surface: Any, size: int) -> Iterator[tuple[int, slice, FloatArray]]:
         yield axis, part, samples
     if largest and not 2.0**-ORDINARY <= largest <= 2.0**ORDINARY:
         raise LeakrefError("extract", f"the surface has samples of {largest:.3g} and no more", "scale them nearer to 1")
+
+
+def release(surface: Any) -> None:
+    """Let go of what a memory-mapped file has brought into memory; it is read again where it is needed.
+
+    The system would do so by itself, but only when memory is short, and until then it would count as ours.
+    """
+    mapped = getattr(surface, "_mmap", None)
+    if mapped is not None and hasattr(mapped, "madvise"):
+        mapped.madvise(mmap.MADV_DONTNEED)
 
 
 def trend(surface: Any, kind: str, *, block: int = _BLOCK) -> FloatArray:

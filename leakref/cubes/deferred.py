@@ -16,6 +16,7 @@ import numpy as np
 
 from leakref._base import Trouble
 from leakref._output import progress_bar
+from leakref.cubes.blocks import release
 
 __all__ = ["BLOCK", "IN_MEMORY", "Deferred"]
 
@@ -60,6 +61,7 @@ class Deferred:
             for block in self.blocks(cut[order]):
                 result[at : at + len(block)] = block
                 at += len(block)
+                release(result)
                 for _ in range(len(block)):
                     step()
         return result.transpose(range(len(shape))[order])

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from leakref.cubes.asked import Asked
+from leakref.cubes.blocks import release
 from leakref.cubes.coordinates import Steps
 from leakref.cubes.deferred import IN_MEMORY
 from leakref.cubes.suspicion import refuse
@@ -169,6 +170,7 @@ def _mapped_filled(path: Path, eta: Any, asked: Asked, notes: list[str]) -> Any:
     holes, total = 0, 0.0
     axis = int(np.argmax(np.abs(eta.strides)))
     for n in range(eta.shape[axis]):
+        release(eta)
         part = np.asarray(eta[(slice(None),) * axis + (n,)], dtype=np.float64)
         missing = np.isnan(part)
         holes += int(missing.sum())

@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 from rich.markup import escape
-from rich.table import Table
 
 from leakref._base import FloatArray, LeakrefError
 from leakref._output import console, dump, write_whole
+from leakref._tables import Table
 from leakref.cubes import files, screen
 from leakref.cubes.cube import UNITS, Cube
 from leakref.cubes.hdf import netcdf_library

@@ -17,10 +17,10 @@ from typing import Any
 
 from rich.console import Console
 from rich.markup import escape
-from rich.table import Table
 
 from leakref import LeakrefError, runs
 from leakref._output import console, dump, envelope, folder, progress_bar, write_whole
+from leakref._tables import Table
 from leakref.certify.targets import HarnessBroken, Limits, connect
 from leakref.golden.beside import noted
 from leakref.track import history, tracking
