@@ -323,7 +323,9 @@ def test_every_tenth_frame_lost_and_no_stamps(tmp_path, surface):
     np.save(tmp_path / "a.npy", long[:, :, kept])
     words = extract(tmp_path / "a.npy", *SPACING, *TANK, "--axes", "xyt")["shell_band"]["words"]
     assert words[0].startswith("WARNING")
-    assert any("every tenth frame lost: comes right with dt 0.0370741" in word for word in words), words
+    assert any("every tenth frame lost: comes right with --spacing 0.024,0.022,0.0370741" in word for word in words), (
+        words
+    )
     t = np.arange(200)[kept] / 29.97
     refused = extract(stamped(tmp_path / "a.npz", long[:, :, kept], t), status=2)
     assert "has lost 19 frames, behind frames 8, 17, 26" in refused
@@ -355,12 +357,15 @@ def test_frames_doubled_by_a_conversion(tmp_path, surface):
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ({"t": T / 86400}, r"time in days: comes right with dt 0\.0333"),
-        ({"t": T * 1e3}, r"time in milliseconds: comes right with dt 0\.0333"),
-        ({"t": np.arange(96) * 29.97}, r"frames a second taken for seconds: comes right with dt 0\.0333"),
+        ({"t": T / 86400}, r"time in days: comes right with --spacing 0\.024,0\.022,0\.0333"),
+        ({"t": T * 1e3}, r"time in milliseconds: comes right with --spacing 0\.024,0\.022,0\.0333"),
+        (
+            {"t": np.arange(96) * 29.97},
+            r"frames a second taken for seconds: comes right with --spacing 0\.024,0\.022,0\.0333",
+        ),
         ({"gravity": 981.0}, r"gravity in cm/s2, lengths in metres: comes right with --gravity 9\.81"),
         ({"gravity": 1.0}, r"gravity of 1 with metres and seconds: comes right with --gravity 9\.81"),
-        ({"x": X * 100, "y": Y * 100}, r"lengths in centimetres.*: comes right with dx,dy 0\.024,0\.022"),
+        ({"x": X * 100, "y": Y * 100}, r"lengths in centimetres.*: comes right with --spacing 0\.024,0\.022"),
         ({"x": X / 111195, "y": Y / 111195}, r"lengths in degrees"),
         ({"x": np.arange(48.0), "y": np.arange(56.0)}, r"lengths in pixels: comes right with pixels of 0\.02"),
         ({"t": T / 1.2}, r"Comes right with dt x 1\.(19|2)"),

@@ -50,24 +50,28 @@ def _causes(cube: Cube) -> list[_Cause]:
     """What may be wrong with steps, units and gravity, in the order in which it is tried."""
     dx, dy, dt = cube.grid.spacing
     g = cube.gravity
+
+    def spaced(*steps: float) -> str:
+        return f"--spacing {','.join(f'{d:.6g}' for d in steps)}"
+
     found = [
-        _Cause("time in days", 86400.0, f"dt {dt * 86400:.6g}"),
-        _Cause("time in hours", 3600.0, f"dt {dt * 3600:.6g}"),
-        _Cause("time in minutes", 60.0, f"dt {dt * 60:.6g}"),
-        _Cause("time in milliseconds", 1e-3, f"dt {dt * 1e-3:.6g}"),
-        _Cause("frames a second taken for seconds", dt**-2, f"dt {1 / dt:.6g}"),
+        _Cause("time in days", 86400.0, spaced(dx, dy, dt * 86400)),
+        _Cause("time in hours", 3600.0, spaced(dx, dy, dt * 3600)),
+        _Cause("time in minutes", 60.0, spaced(dx, dy, dt * 60)),
+        _Cause("time in milliseconds", 1e-3, spaced(dx, dy, dt * 1e-3)),
+        _Cause("frames a second taken for seconds", dt**-2, spaced(dx, dy, 1 / dt)),
         _Cause("gravity in cm/s2, lengths in metres", 0.1, f"--gravity {g / 100:.6g}"),
-        _Cause("lengths in centimetres, gravity in m/s2", 10.0, f"dx,dy {dx / 100:.6g},{dy / 100:.6g}"),
-        _Cause("lengths in millimetres, gravity in m/s2", 1e3**0.5, f"dx,dy {dx / 1e3:.6g},{dy / 1e3:.6g}"),
-        _Cause("lengths in kilometres, gravity in m/s2", 1e-3**0.5, f"dx,dy {dx * 1e3:.6g},{dy * 1e3:.6g}"),
-        _Cause("lengths in feet, gravity in m/s2", 0.3048**-0.5, f"dx,dy {dx * 0.3048:.6g},{dy * 0.3048:.6g}"),
+        _Cause("lengths in centimetres, gravity in m/s2", 10.0, spaced(dx / 100, dy / 100, dt)),
+        _Cause("lengths in millimetres, gravity in m/s2", 1e3**0.5, spaced(dx / 1e3, dy / 1e3, dt)),
+        _Cause("lengths in kilometres, gravity in m/s2", 1e-3**0.5, spaced(dx * 1e3, dy * 1e3, dt)),
+        _Cause("lengths in feet, gravity in m/s2", 0.3048**-0.5, spaced(dx * 0.3048, dy * 0.3048, dt)),
         _Cause("lengths in degrees", _METRES_IN_A_DEGREE**-0.5, "lengths in metres (111195 m a degree of latitude)"),
         _Cause("gravity of 1 with metres and seconds", (9.81 / g) ** 0.5, "--gravity 9.81"),
         _Cause("gravity of 9.81 with scaled units", (1 / g) ** 0.5, "--gravity 1"),
-        _Cause("every tenth frame lost", 10 / 9, f"dt {dt * 10 / 9:.6g}"),
-        _Cause("every fifth frame lost", 5 / 4, f"dt {dt * 5 / 4:.6g}"),
-        _Cause("every second frame lost", 2.0, f"dt {dt * 2:.6g}"),
-        _Cause("every frame twice", 0.5, f"dt {dt / 2:.6g}"),
+        _Cause("every tenth frame lost", 10 / 9, spaced(dx, dy, dt * 10 / 9)),
+        _Cause("every fifth frame lost", 5 / 4, spaced(dx, dy, dt * 5 / 4)),
+        _Cause("every second frame lost", 2.0, spaced(dx, dy, dt * 2)),
+        _Cause("every frame twice", 0.5, spaced(dx, dy, dt / 2)),
     ]
     return [cause for cause in found if abs(np.log(cause.factor)) > SUSPECT / 2]
 

@@ -39,7 +39,7 @@ def extraction_figure(
     flagged = np.array([bool(names) for names in flags])
     for component, ax in enumerate(axes[0]):
         c, colour = found.velocities[:, component], COLOURS[component]
-        for values, alpha, what in zip(resolutions, (0.3, 0.15), (r"\omega", "k"), strict=True):
+        for values, alpha, what in zip(resolutions, (0.3, 0.15), ("frequency", "wavenumber"), strict=True):
             ax.fill_between(
                 k,
                 c - values,
@@ -47,7 +47,7 @@ def extraction_figure(
                 color=colour,
                 alpha=alpha,
                 lw=0,
-                label=rf"$\pm\,\delta c_{{\delta {what}}}$ (resolution)",
+                label=f"± resolution from {what}",
             )
         ax.plot(k, c, color=colour, lw=1.2)
         ax.plot(k[~flagged], c[~flagged], "o", color=colour, ms=3.5, label="measured")
@@ -58,6 +58,9 @@ def extraction_figure(
             ax.axhline(current[component], color="black", lw=0.8, ls="--", label="current stated in the file")
         ax.set_title(f"$\\tilde{{c}}_{'xy'[component]}$")
         ax.set_xlabel(f"wavenumber ({units[0]})")
+        if not np.isfinite(c).any():  # an empty picture would look like a mistake of the drawing
+            ax.text(0.5, 0.5, "no velocity at any wavenumber", transform=ax.transAxes, ha="center", va="center")
+            ax.set_xlim(k.min() * 0.95, k.max() * 1.05)
         ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2)
     axes[0, 0].set_ylabel(f"Doppler shift velocity ({units[1]})")
     drawing.suptitle(title)
@@ -88,8 +91,8 @@ def screening_figure(
                 lw=1.4,
                 label=rf"$\tilde{{c}}_{'xy'[component]}$ {what}",
             )
-    for values, line, what in zip(resolutions, ("-", "--"), (r"\omega", "k"), strict=True):
-        right.plot(k, values, color="0.6", ls=line, lw=1, label=rf"resolution $\delta c_{{\delta {what}}}$")
+    for values, line, what in zip(resolutions, ("-", "--"), ("frequency", "wavenumber"), strict=True):
+        right.plot(k, values, color="0.6", ls=line, lw=1, label=f"resolution from {what}")
     looks = {
         NO_CHANGE: ("o", COLOURS[2]),
         UNRESOLVED: ("D", COLOURS[4]),

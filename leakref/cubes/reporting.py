@@ -103,14 +103,15 @@ def table(
         result.add_column(name, justify="right")
     if screened is not None:
         result.add_column("change by taper", justify="right")
-        result.add_column("verdict")
+        result.add_column("verdict", no_wrap=True)
     result.add_column("flags", overflow="fold")
+    digits = int(np.clip(2 - np.floor(np.log10(min(r.min() for r in resolutions))), 4, 12))  # two of the finest
     for n, (k, c) in enumerate(zip(found.wavenumbers, found.velocities, strict=True)):
-        row = [f"{k:.4g}", *("-" if np.isnan(v) else f"{v:.4f}" for v in c), *(f"{r[n]:.4f}" for r in resolutions)]
+        row = [f"{k:.4g}", *("-" if np.isnan(v) else f"{v:.{digits}f}" for v in (*c, *(r[n] for r in resolutions)))]
         if screened is not None:
             verdict = screened.verdicts[n]
             row += [
-                f"{screened.disagreement[n]:.4f}",
+                "-" if np.isnan(screened.disagreement[n]) else f"{screened.disagreement[n]:.{digits}f}",
                 f"[{LOOKS[verdict][0]}]{verdict}[/{LOOKS[verdict][0]}]",
             ]
         result.add_row(*row, ", ".join(name for name in flags[n] if name != screen.LEAKAGE))
@@ -156,6 +157,8 @@ def write(
     units = (PER_LENGTH[cube.units], UNITS[cube.units])
     name = Path(record["file"]).name
     title = f"{name}: {record['method']}, window {record['window']}"
+    if record["shell_band"] is not None and not record["shell_band"]["holds"]:
+        title += " (no dispersion shell where it should be: these are no currents)"
     save(extraction_figure(found, flags, resolutions, units, title, cube.current), out / "extract")
     if screened is not None:
         save(screening_figure(screened, resolutions, units, f"{name}: is leakage at work?"), out / "screen")

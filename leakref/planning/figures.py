@@ -64,7 +64,7 @@ def plan_figure(plan: Plan, title: str) -> Figure:
         axes[1, column].plot(e.wavelengths, 2 * e.random, **look)
     best = plan.best
     for ax in axes.flat:
-        for values, line, what in zip(best.resolutions, ("-", "--"), (r"\omega", "k"), strict=True):
+        for values, line, what in zip(best.resolutions, ("-", "--"), ("frequency", "wavenumber"), strict=True):
             ax.plot(
                 best.wavelengths,
                 values,
@@ -72,7 +72,7 @@ def plan_figure(plan: Plan, title: str) -> Figure:
                 ls=line,
                 lw=1,
                 zorder=0,
-                label=rf"resolution $\delta c_{{\delta {what}}}$",
+                label=f"resolution from {what}",
             )
         if plan.campaign.speed:
             ax.axhline(plan.campaign.speed, color="black", ls=":", lw=1, label="the true current")
