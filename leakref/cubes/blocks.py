@@ -100,11 +100,11 @@ def largest_kept(surface: Any, grid: Grid, size: float) -> float:
     file. `surface` is only asked how it is stored.
     """
     axis = int(np.argmax(np.abs(getattr(surface, "strides", (3, 2, 1)))))
-    dkx, dky, _ = grid.bin_widths
     nx, ny, nt = grid.shape
     if axis == 2:
-        return float(np.sqrt(size / (16 * nt) * dkx * dky) / 2)
-    across, width = (nx, dky) if axis == 0 else (ny, dkx)
+        bins = size / (16 * nt)  # in the plane, a square about zero
+        return float(np.sqrt(bins * np.prod(grid.bin_widths[:2])) / 2)
+    across, width = (nx, grid.bin_widths[1]) if axis == 0 else (ny, grid.bin_widths[0])
     return float(size / (16 * across * (nt // 2 + 1)) * width / 2)
 
 

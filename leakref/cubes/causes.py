@@ -16,6 +16,7 @@ import numpy as np
 
 from leakref.cubes.contrast import CONTRAST, GAIN, MISPLACED, NEAR, SHARE, SUSPECT, Band, Found
 from leakref.cubes.cube import Cube
+from leakref.dispersion import Water
 
 __all__ = ["Verdict", "judge"]
 
@@ -54,6 +55,9 @@ def _causes(cube: Cube) -> list[_Cause]:
     def spaced(*steps: float) -> str:
         return f"--spacing {','.join(f'{d:.6g}' for d in steps)}"
 
+    def of_gravity(other: float) -> float:
+        return float(Water(other).frequency(1.0) / Water(g).frequency(1.0))
+
     found = [
         _Cause("time in days", 86400.0, spaced(dx, dy, dt * 86400)),
         _Cause("time in hours", 3600.0, spaced(dx, dy, dt * 3600)),
@@ -66,8 +70,8 @@ def _causes(cube: Cube) -> list[_Cause]:
         _Cause("lengths in kilometres, gravity in m/s2", 1e-3**0.5, spaced(dx * 1e3, dy * 1e3, dt)),
         _Cause("lengths in feet, gravity in m/s2", 0.3048**-0.5, spaced(dx * 0.3048, dy * 0.3048, dt)),
         _Cause("lengths in degrees", _METRES_IN_A_DEGREE**-0.5, "lengths in metres (111195 m a degree of latitude)"),
-        _Cause("gravity of 1 with metres and seconds", (9.81 / g) ** 0.5, "--gravity 9.81"),
-        _Cause("gravity of 9.81 with scaled units", (1 / g) ** 0.5, "--gravity 1"),
+        _Cause("gravity of 1 with metres and seconds", of_gravity(9.81), "--gravity 9.81"),
+        _Cause("gravity of 9.81 with scaled units", of_gravity(1.0), "--gravity 1"),
         _Cause("every tenth frame lost", 10 / 9, spaced(dx, dy, dt * 10 / 9)),
         _Cause("every fifth frame lost", 5 / 4, spaced(dx, dy, dt * 5 / 4)),
         _Cause("every second frame lost", 2.0, spaced(dx, dy, dt * 2)),

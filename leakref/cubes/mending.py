@@ -144,10 +144,11 @@ def _filled(path: Path, eta: Any, asked: Asked, notes: list[str]) -> Any:
 
     The mean of the whole cube adds nothing to any wave; what a hole takes away from each is its own share.
     """
+    with np.errstate(over="ignore", invalid="ignore"):
+        if np.isfinite(eta.sum()):  # then every sample is: one pass, no mask of the whole cube
+            return eta
     missing = np.isnan(eta)
     holes = int(missing.sum())
-    if not holes and np.isfinite(eta.sum()):
-        return eta
     infinite = int(np.isinf(eta).sum())
     if infinite:
         refuse(
