@@ -381,6 +381,13 @@ def test_a_wrong_step_unit_or_gravity_is_told_by_the_shell(tmp_path, surface, ch
     assert any(re.search(said, word) for word in given["shell_band"]["words"]), given["shell_band"]["words"]
 
 
+def test_the_remedy_that_is_named_works(tmp_path, surface):
+    path = stamped(tmp_path / "a.npz", surface, T * 1e3)
+    words = extract(path, status=1)["shell_band"]["words"]
+    (remedy,) = (word for word in words if "milliseconds" in word)
+    assert_right(extract(path, *re.search(r"--spacing \S+", remedy)[0].split()))
+
+
 def test_axes_that_are_wrong_are_told_by_the_shell(tmp_path, surface):
     np.save(tmp_path / "a.npy", surface.transpose(2, 0, 1))
     words = extract(tmp_path / "a.npy", *SPACING, *TANK, "--axes", "xyt", status=1)["shell_band"]["words"]
