@@ -38,7 +38,8 @@ class Table:
         self.columns.append((heading, settings))
 
     def add_row(self, *cells: Any, **settings: Any) -> None:
-        """A row of as many cells as there are columns, or fewer."""
+        """A row of as many cells as there are columns, or fewer; of more, columns without a heading are added."""
+        self.columns += [("", {}) for _ in range(len(self.columns), len(cells))]
         self.rows.append((cells, settings))
 
     def add_section(self) -> None:

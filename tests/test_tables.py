@@ -95,6 +95,12 @@ def test_the_table_of_a_case_is_whole(width, case):
     assert_whole(reproduce.table(found), width)
 
 
+def test_columns_without_a_heading_come_with_the_rows():
+    table = Table(box=None, show_header=False)
+    table.add_row("data", "your own cubes")
+    assert "your own cubes" in rendered(table, 60)
+
+
 def test_no_other_tables_are_used():
     house = Path(leakref.__file__).parent
     using = [p.name for p in house.rglob("*.py") if "rich.table" in p.read_text(encoding="utf-8")]

@@ -7,6 +7,7 @@ keep the units of the file, which stand on the axes.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from textwrap import fill
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -47,12 +48,12 @@ def extraction_figure(
                 color=colour,
                 alpha=alpha,
                 lw=0,
-                label=f"± resolution from {what}",
+                label=f"± resolution ({what})",
             )
         ax.plot(k, c, color=colour, lw=1.2)
         ax.plot(k[~flagged], c[~flagged], "o", color=colour, ms=3.5, label="measured")
         if flagged.any():
-            names = ", ".join(sorted({name for one in flags for name in one}))
+            names = fill(", ".join(sorted({name for one in flags for name in one})), 18)
             ax.plot(k[flagged], c[flagged], "o", mec=colour, mfc="white", ms=4.5, label=f"flagged: {names}")
         if current is not None:
             ax.axhline(current[component], color="black", lw=0.8, ls="--", label="current stated in the file")
@@ -92,7 +93,7 @@ def screening_figure(
                 label=rf"$\tilde{{c}}_{'xy'[component]}$ {what}",
             )
     for values, line, what in zip(resolutions, ("-", "--"), ("frequency", "wavenumber"), strict=True):
-        right.plot(k, values, color="0.6", ls=line, lw=1, label=f"resolution from {what}")
+        right.plot(k, values, color="0.6", ls=line, lw=1, label=f"resolution ({what})")
     looks = {
         NO_CHANGE: ("o", COLOURS[2]),
         UNRESOLVED: ("D", COLOURS[4]),

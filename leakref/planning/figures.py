@@ -96,7 +96,7 @@ def plan_figure(plan: Plan, title: str) -> Figure:
     axes[0, 0].set_yscale("log")
     axes[0, 0].set_ylim(bottom=lowest)
     _wavelength_axis(axes[0, 0])
-    drawing.legend(*axes[0, windows.index("hann")].get_legend_handles_labels(), loc="outside lower center", ncols=4)
+    drawing.legend(*axes[0, windows.index("hann")].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     drawing.suptitle(title, fontsize=9)
     return drawing
 
