@@ -25,8 +25,10 @@ from leakref.dispersion import Water
 from leakref.grid import Grid
 from leakref.sea import Components, SeaState
 
-__all__ = ["CASES", "REALIZATIONS", "Configuration", "configurations"]
+__all__ = ["CASES", "REALIZATIONS", "SHELLS", "Configuration", "configurations"]
 
+SHELLS = (0.4, 3.5)
+"""The first and the last wavenumber of the paper's shells, in k0 (decision D9)."""
 REALIZATIONS = 100
 """Realisations of every configuration in the paper (sec:parameters)."""
 _SHORT = {
@@ -105,7 +107,7 @@ class Configuration:
     @property
     def wavenumbers(self) -> FloatArray:
         """Those of the shells, (n,) (decision D9)."""
-        return shell_wavenumbers(self.grid)
+        return shell_wavenumbers(self.grid, *SHELLS)
 
     @property
     def current(self) -> FloatArray:

@@ -23,8 +23,8 @@ from leakref.window import WINDOWS, window
 __all__ = ["Reference", "analyse", "extract", "reference", "shell_wavenumbers", "transform"]
 
 
-def shell_wavenumbers(grid: Grid, smallest: float = 0.4, largest: float = 3.5) -> FloatArray:
-    """k_i = i dk with `smallest` <= k_i <= `largest` (decision D9): overlapping shells, one a bin, (n,)."""
+def shell_wavenumbers(grid: Grid, smallest: float, largest: float) -> FloatArray:
+    """k_i = i dk (n,), rad per length, from `smallest` to `largest` (0.4 and 3.5 k0 in the paper: D9), one a bin."""
     positive("shell_wavenumbers", smallest=smallest, largest=largest)
     dk = grid.wavenumber_resolution
     first, last = int(np.ceil(smallest / dk - 1e-9)), int(np.floor(largest / dk + 1e-9))
@@ -35,12 +35,12 @@ def analyse(
     spectrum: Spectrum,
     wavenumbers: npt.ArrayLike,
     *,
-    gravity: float = 1.0,
+    gravity: float | None = None,
     water: Water | None = None,
     method: str = "nsp",
     **settings: Any,
 ) -> Extraction:
-    """Velocities from a spectrum by a `method` of `methods.METHODS`, in `water` or deep water of some `gravity`.
+    """Velocities from a spectrum by a `method` of `methods.METHODS`, in `water`, or in deep water of some `gravity`.
 
     `settings` are `half_width` and those of the method; of `peak_wavenumber` and `search`, which say how a search is
     judged, a method takes what it knows. Raises LeakrefError.
@@ -56,15 +56,15 @@ def extract(
     spacing: tuple[float, float, float],
     wavenumbers: npt.ArrayLike,
     *,
-    gravity: float = 1.0,
+    gravity: float | None = None,
     window: str = "hann",
     method: str = "nsp",
     **settings: Any,
 ) -> Extraction:
     """From a surface eta[x, y, t] sampled at `spacing` (dx, dy, dt) to velocities at `wavenumbers` (n,).
 
-    Angular units throughout: wavenumbers in rad per unit of length, velocities in its units of length and
-    time, `gravity` likewise (1 for scaled units). `settings` as in `analyse`, `water` among them. Raises LeakrefError.
+    Wavenumbers in rad per length, velocities and `gravity` in the surface's own units (9.81 for metres and seconds, 1
+    for scaled ones: no default). `settings` as in `analyse`, `water` for gravity among them. Raises LeakrefError.
     """
     eta = finite("extract", "surface", surface, 3)
     spectrum = fourier(levelled(eta)[0], Grid(eta.shape, spacing), window)

@@ -164,9 +164,9 @@ def _measure(configuration: Configuration, wavenumbers: FloatArray) -> tuple[dic
             for a, b in zip(chain.transform(waves, grid, configuration.windows, route="A"), closed, strict=True):
                 difference = np.abs(a.values[np.ix_(b.i, b.j)] - b.values).max()
                 spectra = max(spectra, float(difference / a.strongest[0]))
-                found[a.window].append(chain.analyse(a, wavenumbers, search=False))
+                found[a.window].append(chain.analyse(a, wavenumbers, search=False, gravity=1.0))
                 if number == 0:
-                    mine, other = found[a.window][0], chain.analyse(b, wavenumbers, search=False)
+                    mine, other = found[a.window][0], chain.analyse(b, wavenumbers, search=False, gravity=1.0)
                     plain = [not one and not two for one, two in zip(mine.notes, other.notes, strict=True)]
                     velocities = max(velocities, float(np.abs(mine.velocities - other.velocities)[plain].max()))
                 step()

@@ -84,17 +84,18 @@ class Water:
 
     def to_scaled(self, scales: Scales) -> Water:
         """From the units of `scales` to scaled ones, in which gravity is 1 if it is that of `scales`."""
-        g, length = scales.gravity, scales.length
-        return Water(self.gravity / g, self.depth / length, self.surface_tension / g / length**2)
+        return self.to_units(Scales(1 / scales.peak_wavenumber, 1 / scales.gravity))
 
 
 DEEP = Water()
 """The paper's water, in its scaled units."""
 
 
-def law(call: str, gravity: float, water: Water | None) -> Water:
+def law(call: str, gravity: float | None, water: Water | None) -> Water:
     """The `water` that was given, or deep water of some `gravity`; LeakrefError in the name of `call` for neither."""
     if water is None:
+        if gravity is None:
+            raise LeakrefError(call, "there is neither gravity nor water", "give it: 9.81 for metres and seconds")
         positive(call, gravity=gravity)
         return Water(gravity)
     if isinstance(water, type) or not all(hasattr(water, name) for name in _LAW):
@@ -122,8 +123,7 @@ def velocity_unit(wavenumber: float, water: Water, peak_wavenumber: float | None
     Where the peak is not given: k0 = 1 if gravity is 1 (scaled units), else the shell's own wavenumber, which
     keeps results the same at every scale (decision D21). In other water it is that water's (decision D29).
     """
-    default = 1.0 if water.gravity == 1 else wavenumber
-    return float(water.phase_velocity(peak_wavenumber or default))
+    return float(water.phase_velocity(peak_wavenumber or (1.0 if water.gravity == 1 else wavenumber)))
 
 
 @dataclass(frozen=True)

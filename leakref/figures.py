@@ -34,7 +34,7 @@ _STYLE: Any = {
     "axes.grid": True,
     "grid.alpha": 0.25,
     "legend.frameon": False,
-    "legend.fontsize": 8,
+    "legend.fontsize": 8.6,  # so that its subscripts, 0.7 of it, are of 6 points
     "axes.titlesize": 10,
     "axes.prop_cycle": cycler(color=COLOURS),
     "svg.hashsalt": "leakref",
@@ -54,6 +54,7 @@ _WORDS = {
     "current_direction": r"$\theta_U$ = {:g}°",
     "rotation": "rotated by {:g}°",
 }
+_TURN = 120.0  # degrees
 WINDOW_WORDS = {window.name: window.title or window.name for window in WINDOWS.values()}
 """Windows as a reader calls them."""
 
@@ -108,10 +109,11 @@ def save(drawing: Figure, path: Path) -> list[Path]:
 def result_figure(ensembles: Sequence[Result], title: str, *, logarithmic: bool = False) -> Figure:
     """The form of fig:spec_ex: a column for each of two windows; mean of |c| above, twice its standard deviation below.
 
-    Solid and dashed grey: the velocity resolutions from frequency and from wavenumber. With a current a third row gives
-    the direction of the mean velocity (fig:ConstCurr), and dashed lines the true speeds. Colour, line and marker follow
-    the first, second and third parameter that differs. `ensembles` are all of one case; more than two windows are drawn
-    in one column. With `logarithmic` both upper rows are.
+    Solid and dashed grey: the velocity resolutions from frequency and from wavenumber, with the duration or the length
+    that each belongs to where there are several. With a current a third row gives the direction of the mean velocity
+    (fig:ConstCurr), dash-dotted lines the true speeds, and the second row is logarithmic, since it is small beside its
+    first points. Colour, line and marker follow the first, second and third parameter that differs. `ensembles` are all
+    of one case; more than two windows are drawn in one column. With `logarithmic` both upper rows are.
     """
     windows = list(dict.fromkeys(e.window for e in ensembles))
     beside = windows if len(windows) <= 2 else [""]  # more are compared in one column (fig:DSV_win_comp_results)
@@ -149,42 +151,62 @@ def result_figure(ensembles: Sequence[Result], title: str, *, logarithmic: bool 
         axes[0, column].plot(k, e.bias, label=label, **look)
         axes[1, column].plot(k, 2 * e.random, **look)
         if with_current:
-            axes[2, column].plot(k, np.degrees(np.arctan2(*e.mean.T[::-1])), **look)
-    grids = {e.configuration.grid: e for e in ensembles}
+            _directions(axes[2, column], k, np.degrees(np.arctan2(*e.mean.T[::-1])), look)
     for ax in axes[:2].flat:
-        for number, e in enumerate(grids.values()):
-            for resolution, line, what in zip(e.resolutions, ("-", "--"), (r"\omega", "k"), strict=True):
-                ax.plot(
-                    e.wavenumbers,
-                    resolution,
-                    color="0.6",
-                    ls=line,
-                    lw=1,
-                    zorder=0,
-                    label=rf"resolution $\delta c_{{\delta {what}}}$" if number == 0 else None,
-                )
+        _resolutions(ax, ensembles, named=ax in axes[:, -1])
     for column, name in enumerate(beside):
         axes[0, column].set_title(WINDOW_WORDS.get(name, name))
         axes[-1, column].set_xlabel("$k$ / $k_0$")
     for row, what in enumerate((r"mean of $|\tilde{c}|$ / $c_0$", r"2 $\sigma$ of $|\tilde{c}|$ / $c_0$")):
         axes[row, 0].set_ylabel(what)
-        if logarithmic:
+        if logarithmic or (row == 1 and with_current and any((e.random > 0).any() for e in ensembles)):
             axes[row, 0].set_yscale("log")
         else:
             axes[row, 0].set_ylim(bottom=0)
     for speed in sorted({e.configuration.speed for e in ensembles} - {0.0}):
         for ax in axes[0]:
-            ax.axhline(speed, color="0.3", ls=(0, (6, 3)), lw=0.8, zorder=0)
+            ax.axhline(speed, color="black", ls="-.", lw=0.8, zorder=0, label="true speed")
     if with_current:
         axes[2, 0].set_ylabel("direction of the mean (°)")
         axes[2, 0].set_ylim(-180, 180)
         axes[2, 0].set_yticks(range(-180, 181, 90))
-    handles, labels = axes[0, 0].get_legend_handles_labels()
+    once = dict(zip(*axes[0, 0].get_legend_handles_labels()[::-1], strict=True))  # each label once
+    labels = list(once)
     drawing.legend(
-        handles,
+        [once[label] for label in labels],
         labels,
         loc="outside right upper" if len(labels) > 8 else "outside lower center",
-        ncols=1 if len(labels) > 8 else min(4, len(labels)),
+        ncols=1 if len(labels) > 8 else min(2 + len(beside), len(labels)),
     )
     drawing.suptitle(title)
     return drawing
+
+
+def _directions(ax: Any, k: FloatArray, degrees: FloatArray, look: dict[str, Any]) -> None:
+    """A line of directions, with a dot at each, that is broken where it turns by more than `_TURN`: from 179 to -179
+    degrees is no way round, and a mean that passes through zero has none in between.
+    """
+    broken = np.flatnonzero(np.abs(np.diff(degrees)) > _TURN) + 1
+    x, y = np.insert(k, broken, np.nan), np.insert(degrees, broken, np.nan)
+    ax.plot(x, y, **{**look, "marker": ".", "markevery": 1})
+
+
+def _resolutions(ax: Any, ensembles: Sequence[Result], *, named: bool) -> None:
+    """The two resolutions of every grid, each once; `named`, with its duration or its length at the end of the line."""
+    ways = (("-", "resolution from frequency", "duration", "T"), ("--", "resolution from wavenumber", "length", "L"))
+    last = max(e.wavenumbers[-1] for e in ensembles)
+    for n, (line, words, quantity, letter) in enumerate(ways):
+        each = {getattr(e.configuration, quantity): (e.wavenumbers, e.resolutions[n]) for e in ensembles}
+        for number, (size, (k, resolution)) in enumerate(each.items()):
+            ax.plot(k, resolution, color="0.45", ls=line, lw=1, zorder=0, label=words if number == 0 else None)
+            if named and len(each) > 1:
+                ax.annotate(
+                    f"${letter}$ = {size:g}",
+                    (last, resolution[-1]),
+                    (4 + 34 * n, 0),  # in two columns: the lines of the two kinds may well end together
+                    textcoords="offset points",
+                    va="center",
+                    fontsize=7,
+                    color="0.35",
+                    annotation_clip=False,
+                )

@@ -60,7 +60,8 @@ def run(topic: str | None, *, json: bool = False) -> bool:
     """The command: print a guide, or which there are."""
     from rich.console import Console
     from rich.markdown import Markdown
-    from rich.table import Table
+
+    from leakref._tables import Table
 
     if json:
         print(

@@ -64,14 +64,14 @@ def extract(
     spectrum: Spectrum,
     wavenumbers: npt.ArrayLike,
     *,
-    gravity: float = 1.0,
+    gravity: float | None = None,
     water: Water | None = None,
     threshold: float = THRESHOLD,
     half_width: float = HALF_WIDTH,
 ) -> Extraction:
     """Doppler shift velocities by least squares (sec:LSvsNSP), one for each wavenumber (n,).
 
-    `water` is the law of dispersion, by default that of deep water of some `gravity`. Raises LeakrefError.
+    `water` is the law of dispersion, or `gravity` that of deep water: one of them is given. Raises LeakrefError.
     """
     k = checked_wavenumbers(wavenumbers, "leastsquares.extract")
     if not (isinstance(threshold, int | float) and 0 < threshold <= 1):

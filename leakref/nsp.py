@@ -205,7 +205,7 @@ def extract(
     spectrum: Spectrum,
     wavenumbers: npt.ArrayLike,
     *,
-    gravity: float = 1.0,
+    gravity: float | None = None,
     water: Water | None = None,
     peak_wavenumber: float | None = None,
     width: float = WIDTH,
@@ -214,9 +214,9 @@ def extract(
 ) -> Extraction:
     """Doppler shift velocities by the normalized scalar product (sec:NSP), one for each wavenumber (n,).
 
-    `water` is the law of dispersion, by default that of deep water of some `gravity`; `width` a in domega, `half_width`
-    of a shell in dk; `peak_wavenumber` k0 sets the unit of the search (see `velocity_unit`). Shells are taken one at a
-    time, so memory does not grow with their number. Raises LeakrefError.
+    `water` is the law of dispersion, or `gravity` that of deep water: one of them is given. `width` a in domega,
+    `half_width` of a shell in dk; `peak_wavenumber` k0 sets the unit of the search (see `velocity_unit`). Shells are
+    taken one at a time, so memory does not grow with their number. Raises LeakrefError.
     """
     k = checked_wavenumbers(wavenumbers, "nsp.extract")
     peak = {} if peak_wavenumber is None else {"peak_wavenumber": peak_wavenumber}

@@ -123,7 +123,7 @@ def _noted(
 ) -> npt.NDArray[np.bool_]:
     """Where the literal chain has something to note of a surface, (n,)."""
     dx, dy, dt = spacing
-    found = chain.extract(surface, (dx, dy, dt), cube.wavenumbers, window=window, method=method)
+    found = chain.extract(surface, (dx, dy, dt), cube.wavenumbers, window=window, method=method, gravity=1.0)
     return np.array([bool(note) for note in found.notes])
 
 

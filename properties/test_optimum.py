@@ -121,7 +121,7 @@ def test_least_squares_satisfies_its_normal_equations(modules: Any, cube: Cube, 
     """sum of k (k.c - (omega - omega0)) = 0 over the bins with omega >= 0 and P at least a fifth of the shell's largest
     (eq:LS1, decisions D7 and D19), collected bin by bin: to 1e-12 of the sum of the sizes of its terms."""
     spectrum = modules.leakage.spectrum(cube.components, cube.grid, window)
-    (c,) = modules.leastsquares.extract(spectrum, cube.wavenumbers).velocities
+    (c,) = modules.leastsquares.extract(spectrum, cube.wavenumbers, gravity=1.0).velocities
     assume(np.isfinite(c).all())
     kx, ky = (q[:, :, None] for q in np.meshgrid(spectrum.kx, spectrum.ky, indexing="ij"))
     k = np.hypot(kx, ky)

@@ -41,6 +41,6 @@ def test_units_of_length_and_time_are_free(modules: Any, cube: Cube, length: flo
         * time
         / length
     )
-    should = modules.chain.extract(cube.surface, cube.spacing, cube.wavenumbers, method=method).velocities
+    should = modules.chain.extract(cube.surface, cube.spacing, cube.wavenumbers, method=method, gravity=1.0).velocities
     known = unflagged(cube, "hann", method)
     assert np.abs(found - should)[known].max(initial=0) < PRECISION

@@ -21,6 +21,6 @@ def realize(
     found = {}
     for window in windows:
         spectrum = fourier(surface, grid, window)
-        found[window, "nsp"] = nsp.extract(spectrum, wavenumbers, search=False)
-        found[window, "ls"] = leastsquares.extract(spectrum, wavenumbers)
+        found[window, "nsp"] = nsp.extract(spectrum, wavenumbers, search=False, gravity=1.0)
+        found[window, "ls"] = leastsquares.extract(spectrum, wavenumbers, gravity=1.0)
     return found

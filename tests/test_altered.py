@@ -17,23 +17,23 @@ def surface():
 
 
 def test_a_chain_with_no_change_is_the_chain():
-    same = altered(()).chain.extract(surface(), GRID.spacing, [0.9])
-    assert np.array_equal(same.velocities, leakref.extract(surface(), GRID.spacing, [0.9]).velocities)
+    same = altered(()).chain.extract(surface(), GRID.spacing, [0.9], gravity=1.0)
+    assert np.array_equal(same.velocities, leakref.extract(surface(), GRID.spacing, [0.9], gravity=1.0).velocities)
 
 
 def test_a_change_acts_and_leaves_the_chain_alone():
-    before = leakref.extract(surface(), GRID.spacing, [0.9]).velocities
+    before = leakref.extract(surface(), GRID.spacing, [0.9], gravity=1.0).velocities
     narrower = Change("shell", "HALF_WIDTH = 2.0", "HALF_WIDTH = 1.5")
     other = altered((narrower, Change("nsp", "WIDTH = 4.0", "WIDTH = 5.0")))
     assert (other.shell.HALF_WIDTH, other.nsp.WIDTH) == (1.5, 5.0)
     assert other.nsp.Shell is other.shell.Shell is not leakref.shell.Shell
-    assert np.abs(other.chain.extract(surface(), GRID.spacing, [0.9]).velocities - before).max() > 1e-6
-    assert np.array_equal(leakref.extract(surface(), GRID.spacing, [0.9]).velocities, before)
+    assert np.abs(other.chain.extract(surface(), GRID.spacing, [0.9], gravity=1.0).velocities - before).max() > 1e-6
+    assert np.array_equal(leakref.extract(surface(), GRID.spacing, [0.9], gravity=1.0).velocities, before)
 
 
 def test_refusals_of_an_altered_chain_are_refusals():
     with pytest.raises(LeakrefError, match="no method named"):
-        altered(()).chain.extract(surface(), GRID.spacing, [0.9], method="x")
+        altered(()).chain.extract(surface(), GRID.spacing, [0.9], method="x", gravity=1.0)
 
 
 @pytest.mark.parametrize(

@@ -529,7 +529,7 @@ def test_the_same_bits_every_time():
 def test_what_is_expected_is_what_the_plain_chain_says():
     cube = sea(30.0, 60.0, UniformCurrent((0.1, 0.0)), realization=4)
     for window, method in (("hann", "nsp"), ("box", "ls")):
-        plain = extract(cube.surface, cube.spacing, cube.wavenumbers, window=window, method=method)
+        plain = extract(cube.surface, cube.spacing, cube.wavenumbers, window=window, method=method, gravity=1.0)
         np.testing.assert_allclose(expected(cube, window, method).velocities, plain.velocities, rtol=0, atol=1e-11)
         assert unflagged(cube, window, method).tolist() == [not note for note in plain.notes]
     best = expected(cube, "hann", "nsp")

@@ -74,7 +74,7 @@ def test_reproduce_prints_one_object_and_writes_what_it_prints(reproduced):
 def test_the_table_shows_every_wavenumber(tmp_path):
     done = leakref("reproduce", "L-T/L=5,T=10", "--realizations", 1, "--out", tmp_path, "--route", "a")
     assert done.returncode == 0
-    assert len(re.findall(r"^│ +\d\.\d\d ", done.stdout, re.MULTILINE)) == 16
+    assert len(set(re.findall(r"^│ +\d\.\d\d ", done.stdout, re.MULTILINE))) == 16  # in one table or more
 
 
 @pytest.mark.parametrize(

@@ -67,7 +67,10 @@ def literal(variant, configuration):
     spectra = chain.chain.transform(own.components(0), own.grid, windows, route="A")
     return np.array(
         [
-            [chain.chain.analyse(s, own.wavenumbers, method=m, search=False).velocities for m in variant.methods]
+            [
+                chain.chain.analyse(s, own.wavenumbers, method=m, search=False, gravity=1.0).velocities
+                for m in variant.methods
+            ]
             for s in spectra
         ]
     )

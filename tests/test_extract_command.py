@@ -17,7 +17,7 @@ from typer.testing import CliRunner
 from leakref import Components, Grid, LeakrefError, Scales, SeaState, UniformCurrent, chain, synthesize
 from leakref.cases import configurations
 from leakref.cli.base import app
-from leakref.cubes import commands, files, wavenumbers
+from leakref.cubes import files, measuring, wavenumbers
 from leakref.dispersion import velocity_resolutions
 
 CASE = "L-T/L=5,T=10"
@@ -186,6 +186,8 @@ def test_npy_in_any_order_with_spacing(sea, tmp_path):
     assert given["units"]["system"] == "given"
     assert "m/s" not in run(*words).stdout
     assert "coordinate x" in run("extract", tmp_path / "cube.npy", "--gravity", 1, "--axes", "tyx", status=2).stderr
+    lacking = run("extract", tmp_path / "cube.npy", "--gravity", 1, "--spacing", spacing, status=2).stderr
+    assert "says nothing of the order of its axes; pass --axes" in lacking
 
 
 def test_a_mapped_cube_in_blocks_gives_the_same(sea, tmp_path, monkeypatch):
@@ -196,20 +198,22 @@ def test_a_mapped_cube_in_blocks_gives_the_same(sea, tmp_path, monkeypatch):
         tmp_path / "cube.npy",
         "--spacing",
         ",".join(map(repr, GRID.spacing)),
+        "--axes",
+        "xyt",
         "--gravity",
         1,
         "--detrend",
         "linear",
     )
     whole = answer(*words, "--wavenumbers", "1.2:2:0.4")
-    monkeypatch.setattr(commands, "IN_MEMORY", 10**5)
-    monkeypatch.setattr(commands.blocks, "_BLOCK", 10**5)
-    monkeypatch.setattr(commands, "fourier", None)  # not to be used
+    monkeypatch.setattr(measuring, "IN_MEMORY", 10**5)
+    monkeypatch.setattr(measuring.blocks, "_BLOCK", 10**5)
+    monkeypatch.setattr(measuring, "fourier", None)  # not to be used
     parts = answer(*words, "--wavenumbers", "1.2:2:0.4")
     assert any("in blocks" in note for note in parts["notes"])
     np.testing.assert_allclose(parts["doppler_shift_velocities"], whole["doppler_shift_velocities"], rtol=0, atol=1e-11)
     by_default = answer(*words)["wavenumbers"]
-    monkeypatch.setattr(commands, "KEPT", 10**6)  # what memory allows now is less than what there is
+    monkeypatch.setattr(measuring, "KEPT", 10**6)  # what memory allows now is less than what there is
     fewer = answer(*words)["wavenumbers"]
     assert 0 < len(fewer) < len(by_default)
     assert "too large" in run(*words, "--screen", "--rotate", 20, status=2).stderr
@@ -293,7 +297,7 @@ def test_where_there_is_no_number_there_is_null(tmp_path):
         (["--method", "fft"], "no method named 'fft'"),
         (["--detrend", "cubic"], "--detrend cubic"),
         (["--rotate", "10"], "--screen"),
-        (["--spacing", "1,2"], "--spacing 1,2"),
+        (["--spacing", "1"], "--spacing 1 is not 3"),
         (["--spacing", "1,2,-1"], "not positive"),
         (["--axes", "xxt"], "xxt"),
         (["--gravity", "-1"], "gravity = -1"),
@@ -344,21 +348,25 @@ def test_samples_that_are_not_finite_in_a_mapped_file(tmp_path, monkeypatch):
     surface = np.zeros(GRID.shape)
     surface[3, 4, 5] = np.inf
     np.save(tmp_path / "a.npy", surface)
-    words = ("extract", tmp_path / "a.npy", "--spacing", "1,1,1", "--gravity", 1, "--wavenumbers", "1")
+    words = ("extract", tmp_path / "a.npy", "--spacing", "1,1,1", "--axes", "xyt", "--gravity", 1, "--wavenumbers", "1")
     for limit in (2**30, 10**5):
-        monkeypatch.setattr(commands, "IN_MEMORY", limit)
+        monkeypatch.setattr(measuring, "IN_MEMORY", limit)
         refused = run(*words, status=2).stderr
         assert "a.npy" in refused
         assert "not finite" in refused
         assert refused.count("\n") == 1
 
 
-def test_a_cube_of_nothing_is_refused(tmp_path):
-    files.write(tmp_path / "a.npz", files.Cube(np.zeros(GRID.shape), GRID, 1.0), "npz")
-    assert "no shell holds more than noise" in run("extract", tmp_path / "a.npz", status=2).stderr
-    noise = np.random.default_rng(0).normal(size=GRID.shape)
-    files.write(tmp_path / "b.npz", files.Cube(noise, GRID, 1.0), "npz")
-    assert "no shell holds more than noise" in run("extract", tmp_path / "b.npz", status=2).stderr
+@pytest.mark.parametrize("size", [0.0, 1.0])
+def test_a_cube_of_nothing_or_of_noise_falls_short(tmp_path, size):
+    noise = size * np.random.default_rng(0).normal(size=GRID.shape)
+    files.write(tmp_path / "a.npz", files.Cube(noise, GRID, 1.0), "npz")
+    said = run("extract", tmp_path / "a.npz", status=1).stdout
+    assert "No dispersion shell: no shell holds more than noise." in said
+    given = answer("extract", tmp_path / "a.npz", status=1)
+    assert not given["ok"]
+    assert len(given["shell"]) == len(given["wavenumbers"])
+    assert max(one or 0 for one in given["shell"]) == 0
 
 
 def test_a_real_process_keeps_its_streams_apart(sea):
@@ -373,4 +381,6 @@ def test_a_real_process_keeps_its_streams_apart(sea):
     assert json.loads(done.stdout)["wavenumbers"] == [1.5]
     bad = subprocess.run([*command, "extract", str(sea[0].parent)], capture_output=True, text=True, timeout=120)
     assert (bad.returncode, bad.stdout) == (2, "")
-    assert bad.stderr.strip().endswith("is a folder; name the file with the cube in it.")
+    assert bad.stderr.strip().endswith(
+        "without images; name the file with the cube in it, or a folder of PNG or TIFF images."
+    )

@@ -23,7 +23,9 @@ SEA = SeaState(direction=70, spread=60, length=3, current=UniformCurrent((0.07, 
 ETA = leakref.synthesize(SEA, *(GRID.samples(axis) for axis in range(3)))
 ETA /= np.abs(ETA).max()
 WAVENUMBERS = [1.2]
-FOUND = {method: chain.extract(ETA, GRID.spacing, WAVENUMBERS, method=method).velocities for method in METHODS}
+FOUND = {
+    method: chain.extract(ETA, GRID.spacing, WAVENUMBERS, method=method, gravity=1.0).velocities for method in METHODS
+}
 POWERS = st.floats(-323, 308)
 FEW = settings(max_examples=40, deadline=None, derandomize=True)
 
@@ -32,19 +34,21 @@ FEW = settings(max_examples=40, deadline=None, derandomize=True)
 @FEW
 @given(st.floats(-300, 308))
 def test_velocities_do_not_depend_on_the_amplitude(method, power):
-    found = chain.extract(ETA * 10.0**power, GRID.spacing, WAVENUMBERS, method=method)
+    found = chain.extract(ETA * 10.0**power, GRID.spacing, WAVENUMBERS, method=method, gravity=1.0)
     np.testing.assert_allclose(found.velocities, FOUND[method], atol=1e-6)  # the simplex ends where rounding has it
 
 
 @pytest.mark.parametrize("factor", [5e-324, 1e-320, 1e-310, np.finfo(np.float32).tiny, np.finfo(np.float64).max])
 def test_the_ends_of_what_can_be_stored_are_no_end(factor):
     for method in METHODS:
-        assert np.isfinite(chain.extract(ETA * factor, GRID.spacing, WAVENUMBERS, method=method).velocities).all()
+        assert np.isfinite(
+            chain.extract(ETA * factor, GRID.spacing, WAVENUMBERS, method=method, gravity=1.0).velocities
+        ).all()
 
 
 def test_a_power_of_two_changes_no_bit():
     for power in (-900, -101, -99, 99, 101, 1000):
-        found = chain.extract(np.ldexp(ETA, power), GRID.spacing, WAVENUMBERS)
+        found = chain.extract(np.ldexp(ETA, power), GRID.spacing, WAVENUMBERS, gravity=1.0)
         assert np.array_equal(found.velocities, FOUND["nsp"])
 
 
@@ -65,9 +69,9 @@ def test_any_file_gives_numbers_or_one_line(tmp_path_factory, start, length, tim
         x, y, t = (start + np.arange(n) * d for n, d in zip(GRID.shape, steps, strict=True))
         np.savez(path, eta=ETA * 10.0**amplitude, x=x, y=y, t=t, gravity=10.0**gravity)
     done = CliRunner().invoke(app, ["extract", str(path), "--detrend", detrend, "--json"], catch_exceptions=False)
-    assert done.exit_code in (0, 2), done.stderr
+    assert done.exit_code in (0, 1, 2), done.stderr  # 1: waves that are scaled like this lie on no dispersion shell
     assert done.stderr.count("\n") == (done.exit_code == 2)
-    assert done.exit_code or json.loads(done.stdout)["ok"]
+    assert done.exit_code == 2 or json.loads(done.stdout)["ok"] is (done.exit_code == 0)
 
 
 @pytest.mark.parametrize("detrend", ["none", "mean", "linear"])

@@ -72,7 +72,7 @@ def test_magnitudes_are_those_of_the_closed_form(grid, off):
 )
 def test_same_velocities_and_notes_as_the_plain_chain(spread, direction, peakedness, current):
     sea = SeaState(direction, spread, peakedness, 5, UniformCurrent(current))
-    k = shell_wavenumbers(SMALL)[::2]
+    k = shell_wavenumbers(SMALL, 0.4, 3.5)[::2]
     assert_same(sea.components(0), SMALL, k[1::2], windows=("blackman",))
     assert_same(sea.components(1), SMALL, k)
 
@@ -80,7 +80,7 @@ def test_same_velocities_and_notes_as_the_plain_chain(spread, direction, peakedn
 def test_same_for_a_rotated_sea_that_is_no_lattice():
     sea = SeaState(75, 60, length=5).components(1).rotated(37, (15.0, 16.0))
     assert sea.separated() is None
-    assert_same(sea, SMALL, shell_wavenumbers(SMALL)[::4], windows=("hann",))
+    assert_same(sea, SMALL, shell_wavenumbers(SMALL, 0.4, 3.5)[::4], windows=("hann",))
 
 
 def test_same_where_nothing_is_square_or_even_and_in_other_units():
@@ -212,7 +212,7 @@ def test_same_with_a_window_that_is_no_cosine_sum():
 
 
 def test_other_basins_are_found_where_the_plain_chain_finds_them():
-    sea, k = SeaState(90, 15, length=5), shell_wavenumbers(SMALL)[6::2]
+    sea, k = SeaState(90, 15, length=5), shell_wavenumbers(SMALL, 0.4, 3.5)[6::2]
     notes = [note for n in (1, 22) for note in assert_same(sea.components(n), SMALL, k, windows=("box",))]
     assert any(Note.ANOTHER_BASIN in note for note in notes)
 
@@ -254,5 +254,5 @@ def test_refusals(arguments, message):
 def test_same_for_larger_domains(length, duration, spread):
     grid = Grid.scaled(length, duration)
     sea = SeaState(75, spread, 3.3, length, UniformCurrent((0.1, 0.1))).components(1)
-    k = shell_wavenumbers(grid)[:: 2 if length == 10 else 6]
+    k = shell_wavenumbers(grid, 0.4, 3.5)[:: 2 if length == 10 else 6]
     assert_same(sea, grid, k, reach=k.max() + 3 * grid.wavenumber_resolution)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+import re
 from importlib.resources import files
 from itertools import combinations, product
 
 import numpy as np
 import pytest
+from matplotlib.text import Text
 from mpl_toolkits.mplot3d import Axes3D
 from test_plan import CAMPAIGN, made
 from test_shear_case import SHEARED, measured
@@ -53,11 +55,28 @@ PAPER = {
 UNITLESS = ("pixels", "bins", "peak", "largest", "°", "depth", "log", "version", "comparison")
 
 
+SMALLEST = 6.0
+"""Points: no letter of a figure is smaller, as journals ask for."""
+
+
+def smallest(text):
+    """The size in points of the smallest letters of a text: a subscript is of 0.7, one of a subscript of 0.49."""
+    raised = [part for part in re.findall(r"\$([^$]*)\$", text.get_text()) if re.search(r"[_^]", part)]
+    nested = any(re.search(r"[_^]\{[^}]*[_^]", part) for part in raised)
+    return text.get_fontsize() * (0.49 if nested else 0.7 if raised else 1)
+
+
 def unreadable(drawing):
     """What is wrong with a figure, in words."""
     drawing.canvas.draw()
     renderer = drawing.canvas.get_renderer()
     texts, found = [], []
+    written = [text for text in drawing.findobj(Text) if text.get_visible() and text.get_text().strip()]
+    found += [
+        f"{text.get_text()!r} has letters of {smallest(text):.3g} points"
+        for text in written
+        if smallest(text) < SMALLEST - 1e-6
+    ]
     for ax in drawing.axes:
         texts += [text for text in ax.texts if text.get_visible()] if ax.get_visible() else []
         if not (ax.axison and ax.get_visible()):
@@ -161,10 +180,10 @@ def test_figures_of_a_cube_can_be_read(untapered, tapered):
     units = ("rad/m", "m/s")
     resolutions = velocity_resolutions(k, grid.wavenumber_resolution, grid.frequency_resolution)
     flags = [["flat", "edge"], [], ["leakage"], [], []]
-    found = analyse(tapered, k, search=False)
+    found = analyse(tapered, k, search=False, gravity=1.0)
     drawn = extraction_figure(found, flags, resolutions, units, "cube.nc: nsp, window hann", np.array([0.1, 0.0]))
     assert unreadable(drawn) == []
-    screened = screen(untapered, tapered, k)
+    screened = screen(untapered, tapered, k, gravity=1.0)
     assert unreadable(screening_figure(screened, resolutions, units, "cube.nc: is leakage at work?")) == []
 
 

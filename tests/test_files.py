@@ -21,7 +21,7 @@ from scipy.io import loadmat, savemat
 
 from leakref import Components, Grid, LeakrefError
 from leakref.cases import Configuration
-from leakref.cubes import files
+from leakref.cubes import coordinates, files
 from leakref.dispersion import Scales
 
 GRID = Grid((5, 6, 7), (0.3, 0.7, 0.11))
@@ -61,10 +61,12 @@ def test_spacing_is_the_same_float_that_made_the_coordinate(tmp_path):
     rng = np.random.default_rng(0)
     for d in rng.uniform(1e-3, 100, 300):
         for n in (2, 7, 281):
-            assert files._step(tmp_path, "x", np.arange(n) * d, (n,), 0) == d
+            assert coordinates.steps(tmp_path, "x", np.arange(n) * d, (n,), 0).step == d
     # where the origin is elsewhere the sum has rounded, and the spacing is known to that rounding only
-    assert files._step(tmp_path, "x", 1000.3 + np.arange(50) * 0.1, (50,), 0) == pytest.approx(0.1, rel=1e-13)
-    assert files._step(tmp_path, "x", (np.arange(300) * 0.1).astype(np.float32), (300,), 0) == pytest.approx(
+    assert coordinates.steps(tmp_path, "x", 1000.3 + np.arange(50) * 0.1, (50,), 0).step == pytest.approx(
+        0.1, rel=1e-13
+    )
+    assert coordinates.steps(tmp_path, "x", (np.arange(300) * 0.1).astype(np.float32), (300,), 0).step == pytest.approx(
         0.1, rel=1e-7
     )
 
@@ -128,16 +130,17 @@ def test_any_order_of_axes(tmp_path, order):
         back = files.read(path, axes=order)
         assert np.array_equal(back.surface, surface)
         assert back.grid == GRID
-        if order != "xyt" or path.suffix == ".nc":
-            with pytest.raises(LeakrefError, match="--axes"):
-                files.read(path)
+        told = files.read(path)  # the sides are all different: their sizes tell the order
+        assert np.array_equal(told.surface, surface)
+        assert told.assumed.axes == order
+        assert told.assumed.sources["axes"] in ("the sizes of the coordinates", "the names of the dimensions")
 
 
 def test_npy_stays_on_the_disk(tmp_path):
     surface = small_cube().surface
     for name, array in (("c.npy", surface), ("f.npy", np.asfortranarray(surface))):
         np.save(tmp_path / name, array)
-        back = files.read(tmp_path / name, spacing=GRID.spacing, gravity=9.81)
+        back = files.read(tmp_path / name, spacing=GRID.spacing, gravity=9.81, axes="xyt")
         assert isinstance(back.surface, np.memmap)
         assert np.array_equal(back.surface, surface)
         assert (back.grid, back.units) == (GRID, "given")
@@ -273,23 +276,24 @@ def with_nan():
 
 def test_spacings_do_instead_of_coordinates(tmp_path):
     dx, dy, dt = GRID.spacing
-    found = files.read(as_npz(tmp_path / "a.npz", x=None, y=None, t=None, dx=dx, dy=dy, dt=dt))
+    found = files.read(as_npz(tmp_path / "a.npz", x=None, y=None, t=None, dx=dx, dy=dy, dt=dt), axes="xyt")
     assert found.grid == GRID
 
 
 X = GRID.samples(0)
-GAP, BACK, TWICE = X.copy(), X[::-1].copy(), X.copy()
+T, GAP, FRO, TWICE = GRID.samples(2), X.copy(), X[::-1].copy(), X.copy()
+FRO[[2, 3]] = FRO[[2, 1]]
 GAP[3] += 0.02 * GRID.spacing[0]
 TWICE[3] = TWICE[2]
 BAD = {
     "no file": (lambda p: p / "none.npz", "does not exist", "check the name"),
-    "folder": (lambda p: p, "is a folder", "name the file"),
+    "folder": (lambda p: p, "is a folder without images", "name the file"),
     "empty": (lambda p: raw(p / "a.npz", b""), "is empty", "export it again"),
     "text": (lambda p: raw(p / "a.npz", b"x, y, t\n1, 2, 3\n" * 50), "of no kind that is known", "pass an npz"),
-    "picture": (lambda p: raw(p / "a.nc", b"\x89PNG\r\n\x1a\n" + bytes(500)), "of no kind", "pass an npz"),
+    "picture": (lambda p: raw(p / "a.nc", b"\x89PNG\r\n\x1a\n" + bytes(500)), "single image", "folder with all images"),
     "pickle": (lambda p: raw(p / "a.npy", pickle.dumps(small_cube().surface)), "is a pickle", "numpy.savez"),
-    "matlab 7.3": (lambda p: raw(p / "a.mat", b"MATLAB 7.3 MAT-file".ljust(512)), "MATLAB 7.3", "'-v7'"),
-    "classic netcdf": (lambda p: raw(p / "a.nc", b"CDF\x01" + bytes(200)), "classic", "nccopy"),
+    "matlab 7.3": (lambda p: raw(p / "a.mat", b"MATLAB 7.3 MAT-file".ljust(512)), "damaged", "export it again"),
+    "classic netcdf": (lambda p: raw(p / "a.nc", b"CDF\x01" + b"\xff" * 200), "damaged", "export it again"),
     "npz cut": (lambda p: cut(as_npz(p / "a.npz")), "damaged or cut short", "export it again"),
     "npz cut early": (lambda p: cut(as_npz(p / "a.npz"), 0.05), "damaged or cut short", "export it again"),
     "npz damaged": (lambda p: damaged(as_npz(p / "a.npz"), 0.3), "damaged", "export it again"),
@@ -306,8 +310,17 @@ BAD = {
     "npy with fields": (lambda p: raw(p / "a.npy", npy_bytes(np.zeros((2, 2, 2), [("a", "f8")]))), "type", "numbers"),
     "npz of objects": (lambda p: object_npz(p / "a.npz"), "pickled objects, which are never loaded", "numbers"),
     "mat of cells": (lambda p: as_mat(p / "a.mat", eta=np.full((2, 2, 2), "a", object)), "eta as cells", "numbers"),
-    "mat of a structure": (lambda p: as_mat(p / "a.mat", eta={"a": 1.0}), "eta as a structure", "numbers"),
-    "no eta": (lambda p: as_npz(p / "a.npz", eta=None), "no variable eta", r"store the surface as eta\[x, y, t\]"),
+    "mat of a structure": (lambda p: as_mat(p / "a.mat", eta={"a": 1.0}), r"no variable eta.* eta\.a", "--variable"),
+    "no eta": (
+        lambda p: as_npz(p / "a.npz", eta=None),
+        r"no variable eta and none with three axes: it holds x 5 float64, y 6",
+        r"store the surface as eta\[x, y, t\]",
+    ),
+    "several cubes": (
+        lambda p: as_npz(p / "a.npz", eta=None, u=np.ones((5, 6, 7)), v=np.ones((5, 6, 7))),
+        r"2 variables with three axes: it holds .*u 5 x 6 x 7 float64, v",
+        "--variable",
+    ),
     "two axes": (lambda p: as_mat(p / "a.mat", eta=np.ones((5, 6))), "2 axes instead of three", "store eta"),
     "four axes": (lambda p: as_npz(p / "a.npz", eta=np.ones((5, 6, 7, 3))), "4 axes", r"store eta\[x, y, t\]"),
     "Octave's own": (
@@ -321,21 +334,35 @@ BAD = {
         "lacks the coordinate x",
         "--spacing",
     ),
-    "wrong size": (lambda p: as_npz(p / "a.npz", y=np.arange(9.0)), "9 values of y for 6 samples", "--axes"),
+    "wrong size": (
+        lambda p: as_npz(p / "a.npz", y=np.arange(9.0)),
+        "9 values of y for 6 samples.* in no order",
+        "--axes",
+    ),
     "uneven": (
         lambda p: as_npz(p / "a.npz", x=GAP),
         r"coordinate x that is not uniform: 0.906 \(index 3\)",
         "interpolate",
     ),
-    "decreasing": (lambda p: as_mat(p / "a.mat", x=BACK), "not increase: 1.2 is followed by 0.9", "reverse"),
+    "backwards in time": (
+        lambda p: as_mat(p / "a.mat", t=T[::-1]),
+        "not increase: 0.66 is followed by 0.55",
+        "reverse",
+    ),
+    "to and fro": (lambda p: as_mat(p / "a.mat", x=FRO), "x that does not decrease: 0.6 is followed by 0.9", "reverse"),
     "repeated": (lambda p: as_npz(p / "a.npz", x=TWICE), r"not increase: 0.6 is followed by 0.6 \(index 2\)", "sort"),
     "coordinate with nan": (
         lambda p: as_npz(p / "a.npz", x=np.where(X > 1, np.nan, X)),
         "x that is not all finite",
         "correct it",
     ),
-    "kilometres": (lambda p: as_netcdf(p / "a.nc", units=("m", "km", "s")), "mixed units: x in m, y in km", "convert"),
-    "milliseconds": (lambda p: as_netcdf(p / "a.nc", units=("m", "m", "ms")), "mixed units", "convert"),
+    "feet": (lambda p: as_netcdf(p / "a.nc", units=("m", "ft", "s")), "mixed units: x in m, y in ft", "convert"),
+    "frames": (lambda p: as_netcdf(p / "a.nc", units=("m", "m", "frames")), "mixed units", "convert"),
+    "degrees": (
+        lambda p: as_netcdf(p / "a.nc", units=("degrees_east", "degrees_north", "s")),
+        "mixed units",
+        "a degree of latitude is 111.2 km",
+    ),
     "units of one only": (lambda p: as_netcdf(p / "a.nc", units=("m", "m", "")), "t in no unit", "convert"),
     "si with scaled gravity": (
         lambda p: as_npz(p / "a.npz", units="si", gravity=1.0),
@@ -371,7 +398,7 @@ def test_one_message_names_file_fault_and_remedy(tmp_path, name):
     make, fault, remedy = BAD[name]
     path = make(tmp_path)
     before = {p: p.stat().st_mtime_ns for p in tmp_path.iterdir()}
-    options = {"spacing": GRID.spacing, "gravity": 9.81} if path.suffix == ".npy" else {}
+    options = {"spacing": GRID.spacing, "gravity": 9.81, "axes": "xyt"} if path.suffix == ".npy" else {}
     tracemalloc.start()
     try:
         with pytest.raises(LeakrefError) as caught:
@@ -414,7 +441,7 @@ def test_a_cube_too_large_for_memory_is_refused_with_the_way_round(tmp_path, mon
     with pytest.raises(LeakrefError, match=r"too large for this machine's memory; save eta with numpy\.save as \.npy"):
         files.read(path)
     np.save(tmp_path / "a.npy", small_cube().surface)
-    assert files.read(tmp_path / "a.npy", spacing=GRID.spacing, gravity=1).grid == GRID
+    assert files.read(tmp_path / "a.npy", spacing=GRID.spacing, gravity=1, axes="xyt").grid == GRID
 
 
 def test_a_file_that_opens_no_code(tmp_path, monkeypatch):
@@ -486,7 +513,7 @@ def test_damage_anywhere_is_refused_or_harmless(tmp_path, kind, capfd):
         "nc": as_netcdf,
         "npy": lambda path: raw(path, npy_bytes(small_cube().surface)),
     }[kind]
-    options = {"spacing": GRID.spacing, "gravity": 1.0} if kind == "npy" else {}
+    options = {"spacing": GRID.spacing, "gravity": 1.0, "axes": "xyt"} if kind == "npy" else {}
     content = make(tmp_path / f"good.{kind}").read_bytes()
     rng, refused = np.random.default_rng(11), []
     for n in range(90):

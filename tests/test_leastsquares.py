@@ -42,7 +42,7 @@ def test_minimum_is_the_literal_sum_over_strong_bins_of_the_half_space(grid, thr
 
 def test_gradient_vanishes_and_the_hessian_is_that_of_the_cost(tapered):
     k = shell_wavenumbers(tapered.grid, 0.5, 2.6)
-    whole, found = tapered.whole().tolist(), leastsquares.extract(tapered, k)
+    whole, found = tapered.whole().tolist(), leastsquares.extract(tapered, k, gravity=1.0)
     for n, k_i in list(enumerate(k))[::4]:
         _, data = oracles.least_squares(whole, tapered.grid.bin_widths, k_i, THRESHOLD)
 
@@ -77,7 +77,9 @@ def test_threshold_is_of_the_shells_own_largest_power_and_inclusive():
             for n, v in (("kx", 8 * kx), ("ky", 0.0), ("omega", 20 * domega), ("amplitude", 50.0), ("phase", 0.0))
         )
     )
-    one, other = (leastsquares.extract(leakage.spectrum(c, GRID, "box"), 1.2).velocities for c in (near, strong))
+    one, other = (
+        leastsquares.extract(leakage.spectrum(c, GRID, "box"), 1.2, gravity=1.0).velocities for c in (near, strong)
+    )
     assert np.abs(one - other).max() < 1e-12
     # a third wave that does not share the current counts as soon as its power is a fifth
     for power, counts in ((0.19, False), (0.21, True)):
@@ -93,31 +95,31 @@ def test_threshold_is_of_the_shells_own_largest_power_and_inclusive():
                 )
             )
         )
-        velocity = leastsquares.extract(leakage.spectrum(third, GRID, "box"), 1.2).velocities
+        velocity = leastsquares.extract(leakage.spectrum(third, GRID, "box"), 1.2, gravity=1.0).velocities
         assert (np.abs(velocity - one).max() > 1e-3) == counts
 
 
 def test_a_bin_at_the_threshold_is_noted():
     for power, noted in ((0.2, True), (0.2001, False), (0.1999, False)):
         waves, _ = aligned_waves(GRID, [(3, 1, 12), (-1, 3, 11)], amplitude=(1.0, np.sqrt(power)))
-        found = leastsquares.extract(leakage.spectrum(waves, GRID, "box"), 1.2)
+        found = leastsquares.extract(leakage.spectrum(waves, GRID, "box"), 1.2, gravity=1.0)
         assert (Note.THRESHOLD in found.notes[0]) == noted
 
 
 def test_one_wave_or_one_bin_is_flat_and_no_number():
     wave, _ = aligned_waves(GRID, [(3, 1, 12)])
-    alone = leastsquares.extract(leakage.spectrum(wave, GRID, "box"), 1.2)
+    alone = leastsquares.extract(leakage.spectrum(wave, GRID, "box"), 1.2, gravity=1.0)
     assert alone.notes == (Note.TOO_FEW_BINS | Note.FLAT,)
     kx, ky, domega = GRID.bin_widths
     column = Components([3 * kx] * 2, [ky] * 2, [12 * domega, 14 * domega], [1.0, 0.9], [0.0, 1.0])
-    two = leastsquares.extract(leakage.spectrum(column, GRID, "box"), 1.2)  # two bins, one direction
+    two = leastsquares.extract(leakage.spectrum(column, GRID, "box"), 1.2, gravity=1.0)  # two bins, one direction
     assert two.notes == (Note.FLAT,)
     for found in (alone, two):
         assert all(np.isnan(getattr(found, n)).all() for n in ("velocities", "score", "gradient", "hessian"))
 
 
 def test_no_signal_is_no_number():
-    found = leastsquares.extract(fourier(np.zeros(GRID.shape), GRID), [1.2, 1.4])
+    found = leastsquares.extract(fourier(np.zeros(GRID.shape), GRID), [1.2, 1.4], gravity=1.0)
     assert found.notes == (Note.NO_SIGNAL,) * 2
     assert np.isnan(found.velocities).all()
     assert found.evaluations.tolist() == [0, 0]
@@ -143,6 +145,6 @@ def test_optimum_takes_the_threshold_of_the_paper_by_default(tapered):
 )
 def test_bad_settings_are_refused(tapered, settings, fault):
     with pytest.raises(LeakrefError) as caught:
-        leastsquares.extract(tapered, 1.0, **settings)
+        leastsquares.extract(tapered, 1.0, **{"gravity": 1.0, **settings})
     assert fault in caught.value.fault
     assert caught.value.remedy

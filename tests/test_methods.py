@@ -50,9 +50,9 @@ def is_fixed(velocities):
 
 def test_chain_and_fast_path_answer_a_method_with_its_own_numbers(registered):
     spectrum = leakage.spectrum(SEA, GRID, "hann")
-    assert is_fixed(analyse(spectrum, K, method="fixed").velocities)
-    assert is_fixed(analyse(spectrum, K, method="fixed", search=False, peak_wavenumber=1.0).velocities)
-    assert not is_fixed(analyse(spectrum, K, method="fixed", offset=1.0).velocities)
+    assert is_fixed(analyse(spectrum, K, method="fixed", gravity=1.0).velocities)
+    assert is_fixed(analyse(spectrum, K, method="fixed", search=False, peak_wavenumber=1.0, gravity=1.0).velocities)
+    assert not is_fixed(analyse(spectrum, K, method="fixed", offset=1.0, gravity=1.0).velocities)
     found = fast.realize(SEA, GRID, K, **WAYS)
     assert list(found) == [("hann", "nsp"), ("hann", "fixed"), ("hann", "ls")]
     assert is_fixed(found["hann", "fixed"].velocities)
@@ -108,7 +108,7 @@ def test_golden_values_figures_and_plans_name_it_as_itself(registered):
 @pytest.mark.parametrize(
     "ask",
     [
-        lambda: analyse(leakage.spectrum(SEA, GRID, "hann"), K, method="polar"),
+        lambda: analyse(leakage.spectrum(SEA, GRID, "hann"), K, method="polar", gravity=1.0),
         lambda: fast.realize(SEA, GRID, K, methods=("polar",)),
         lambda: ensemble.realize(CASES["L-T"][0], 0, methods=("polar",)),
         lambda: list(runs.run([CASES["L-T"][0]], realizations=1, methods=("polar",))),
@@ -170,7 +170,7 @@ def test_another_water_goes_through_chain_and_fast_path_alike(method):
     np.testing.assert_allclose(twin.velocities, plain.velocities, atol=1e-11, rtol=0)
     assert twin.notes == plain.notes
     assert np.abs(plain.velocities - [0.1, -0.05]).max() < 0.05  # and it is the current
-    deep = analyse(leakage.spectrum(waves, GRID, "hann"), K, method=method).velocities
+    deep = analyse(leakage.spectrum(waves, GRID, "hann"), K, method=method, gravity=1.0).velocities
     assert np.abs(deep - [0.1, -0.05]).max() > 0.2
 
 

@@ -105,7 +105,7 @@ def test_derivatives_are_those_of_finite_differences(untapered, velocity):
 def test_the_optimum_has_a_vanishing_gradient_and_a_negative_definite_hessian(request, window):
     spectrum = request.getfixturevalue(window)
     k = shell_wavenumbers(spectrum.grid, 0.5, 2.6)
-    width, found = WIDTH * spectrum.grid.frequency_resolution, nsp.extract(spectrum, k)
+    width, found = WIDTH * spectrum.grid.frequency_resolution, nsp.extract(spectrum, k, gravity=1.0)
     assert sum(not n for n in found.notes) >= 6
     for n, k_i in enumerate(k):
         v0, shell, at = width / k_i, shell_at(spectrum, k_i), found.velocities[n]
@@ -134,7 +134,7 @@ def test_the_optimum_has_a_vanishing_gradient_and_a_negative_definite_hessian(re
 def test_another_start_in_the_same_basin_gives_the_same_velocity(request, window, monkeypatch):
     spectrum = request.getfixturevalue(window)
     k = shell_wavenumbers(spectrum.grid, 0.5, 2.6)
-    width, found = WIDTH * spectrum.grid.frequency_resolution, nsp.extract(spectrum, k)
+    width, found = WIDTH * spectrum.grid.frequency_resolution, nsp.extract(spectrum, k, gravity=1.0)
     sound = [n for n, note in enumerate(found.notes) if not note]
     for n in sound:
         shell = shell_at(spectrum, k[n])
@@ -150,7 +150,7 @@ def test_another_start_in_the_same_basin_gives_the_same_velocity(request, window
             assert np.abs(again.x - found.velocities[n]).max() < 1e-11
     for start in (1e-4, 1e-3):
         monkeypatch.setattr(nsp, "START", start)
-        again = nsp.extract(spectrum, k[sound]).velocities
+        again = nsp.extract(spectrum, k[sound], gravity=1.0).velocities
         moved = np.abs(again - found.velocities[sound]).max(axis=1)
         same_basin = moved < 0.1 * width / k[sound]
         assert same_basin.all() or window == "untapered"  # tapered seas have one basin near rest
@@ -188,8 +188,8 @@ def test_two_waves_on_bins_return_their_common_current_under_box(pair, towards, 
     assert abs(abs(current[0]) - abs(current[1])) > 0.005
     k = float(np.hypot(waves.kx, waves.ky).mean())
     eta = synthesize(waves, *(grid.samples(axis) for axis in range(3)))
-    found = extract(eta, grid.spacing, k, window="box", method=method)
-    closed = analyse(leakage.spectrum(waves, grid, "box"), k, method=method)
+    found = extract(eta, grid.spacing, k, window="box", method=method, gravity=1.0)
+    closed = analyse(leakage.spectrum(waves, grid, "box"), k, method=method, gravity=1.0)
     for one in (found, closed):
         assert np.abs(one.velocities[0] - current).max() < 1e-10
         assert one.notes == (Note.NONE,)
@@ -199,7 +199,7 @@ def test_two_waves_on_bins_return_their_common_current_under_box(pair, towards, 
         ((slice(None), slice(None, None, -1)), current * (1, -1)),
         ((slice(None), slice(None), slice(None, None, -1)), -current),
     ):
-        other = extract(eta[reverse], grid.spacing, k, window="box", method=method).velocities[0]
+        other = extract(eta[reverse], grid.spacing, k, window="box", method=method, gravity=1.0).velocities[0]
         assert np.abs(other - expected).max() < 1e-10
         assert np.abs(other - current).max() > 0.08
 
@@ -208,7 +208,7 @@ def test_one_wave_on_a_bin_fixes_the_component_along_it_and_the_rest_is_called_f
     grid = PAIRS[0][0]
     wave, current = aligned_waves(grid, [(3, 1, 12)])
     k = np.array([wave.kx[0], wave.ky[0]])
-    found = nsp.extract(leakage.spectrum(wave, grid, "box"), np.hypot(*k))
+    found = nsp.extract(leakage.spectrum(wave, grid, "box"), np.hypot(*k), gravity=1.0)
     assert found.velocities[0] @ k == pytest.approx(current @ k, abs=1e-10)
     assert Note.FLAT in found.notes[0]
 
@@ -217,7 +217,7 @@ def test_memory_of_an_extraction_does_not_grow_with_the_number_of_shells(tapered
     peaks = []
     for count in (1, 1, 12):  # the first run also pays for what is imported or cached once
         tracemalloc.start()
-        nsp.extract(tapered, np.full(count, 2.5))
+        nsp.extract(tapered, np.full(count, 2.5), gravity=1.0)
         peaks.append(tracemalloc.get_traced_memory()[1])
         tracemalloc.stop()
     assert peaks[1] > 1e5
@@ -229,7 +229,7 @@ def test_a_field_in_other_units_gives_the_same_velocities(tapered, small_sea):
     k = shell_wavenumbers(grid, 0.5, 2.6)
     spacing = np.array(grid.spacing) * (scales.length, scales.length, scales.time)
     si = leakage.spectrum(small_sea.to_units(scales), Grid(grid.shape, tuple(spacing)), "hann")
-    ours = nsp.extract(tapered, k)
+    ours = nsp.extract(tapered, k, gravity=1.0)
     for peak in (0.05, None):  # unknown: decision D21
         theirs = nsp.extract(si, k * scales.wavenumber, gravity=9.81, peak_wavenumber=peak)
         # the honest precision of a velocity: rounding of F times up to 530
@@ -242,7 +242,10 @@ def test_units_by_powers_of_two_change_no_bit_and_no_step_of_the_search(untapere
     assert (scales.frequency, scales.velocity) == (0.5, 8.0)
     k, spacing = shell_wavenumbers(grid, 0.5, 2.6), np.array(grid.spacing) * (16, 16, 2)
     other = leakage.spectrum(small_sea.to_units(scales), Grid(grid.shape, tuple(spacing)), "box")
-    ours, theirs = nsp.extract(untapered, k), nsp.extract(other, k / 16, gravity=4.0, peak_wavenumber=1 / 16)
+    ours, theirs = (
+        nsp.extract(untapered, k, gravity=1.0),
+        nsp.extract(other, k / 16, gravity=4.0, peak_wavenumber=1 / 16),
+    )
     assert np.array_equal(theirs.velocities, 8 * ours.velocities)
     assert np.array_equal(theirs.evaluations, ours.evaluations)
     assert theirs.notes == ours.notes
@@ -250,12 +253,12 @@ def test_units_by_powers_of_two_change_no_bit_and_no_step_of_the_search(untapere
 
 def test_order_number_and_repetition_of_wavenumbers_do_not_matter(tapered):
     k = shell_wavenumbers(tapered.grid, 0.6, 2.0)
-    found, backwards = nsp.extract(tapered, k), nsp.extract(tapered, k[::-1])
+    found, backwards = nsp.extract(tapered, k, gravity=1.0), nsp.extract(tapered, k[::-1], gravity=1.0)
     for name in NUMBER_FIELDS:
         assert np.array_equal(getattr(found, name), getattr(backwards, name)[::-1])
-        assert np.array_equal(getattr(found, name), getattr(nsp.extract(tapered, k), name))
+        assert np.array_equal(getattr(found, name), getattr(nsp.extract(tapered, k, gravity=1.0), name))
     assert found.notes == backwards.notes[::-1]
-    assert np.array_equal(nsp.extract(tapered, float(k[2])).velocities[0], found.velocities[2])
+    assert np.array_equal(nsp.extract(tapered, float(k[2]), gravity=1.0).velocities[0], found.velocities[2])
     assert found.method == "nsp"
     assert (found.evaluations > 20).all()
 
@@ -271,7 +274,7 @@ def test_no_signal_is_no_number():
     grid = PAIRS[0][0]
     elsewhere, _ = aligned_waves(grid, [(6, 1, 18)])
     for spectrum in (fourier(np.zeros(grid.shape), grid), leakage.spectrum(elsewhere, grid, "box")):
-        found = nsp.extract(spectrum, 1.2)
+        found = nsp.extract(spectrum, 1.2, gravity=1.0)
         assert found.notes == (Note.NO_SIGNAL,)
         assert all(np.isnan(getattr(found, name)).all() for name in NUMBER_FIELDS)
         assert found.evaluations.tolist() == [0]
@@ -294,7 +297,7 @@ def test_another_basin_is_noted_where_it_scores_higher_and_only_then():
             (0, -5, rest, in_motion),
             (4, 3, rest + round(0.8 * swept), in_motion),
         )
-        found = nsp.extract(leakage.spectrum(waves, grid, "hann"), k, **settings)
+        found = nsp.extract(leakage.spectrum(waves, grid, "hann"), k, gravity=1.0, **settings)
         return found.notes[0], found.velocities[0]
 
     higher, velocity = note(0.3, 3.0)
@@ -308,15 +311,17 @@ def test_edge_is_noted_beyond_the_reach_of_the_search():
     grid, first, second = PAIRS[0]
     waves, current = common_current(grid, first, second, (0.11, 0.09))
     k, spectrum = float(np.hypot(waves.kx, waves.ky).mean()), leakage.spectrum(waves, grid, "box")
-    assert nsp.extract(spectrum, k).notes == (Note.NONE,)
-    slow = nsp.extract(spectrum, k, peak_wavenumber=100.0)  # c0 = 0.1, and the current is faster than 1.2 c0
+    assert nsp.extract(spectrum, k, gravity=1.0).notes == (Note.NONE,)
+    slow = nsp.extract(
+        spectrum, k, peak_wavenumber=100.0, gravity=1.0
+    )  # c0 = 0.1, and the current is faster than 1.2 c0
     assert np.hypot(*current) > 0.12
     assert slow.velocities[0] == pytest.approx(current, abs=1e-10)
     assert Note.EDGE in slow.notes[0]
     # and where the Nyquist frequency is so near that G leaves the band before: omega_N - omega0 - 3 a < k |c|
     near = Grid((*grid.shape[:2], 26), (*grid.spacing[:2], 2.1))
     turned, _ = aligned_waves(near, [(3, 1, 10), (-1, 3, 11)])
-    assert Note.EDGE in nsp.extract(leakage.spectrum(turned, near, "box"), k, width=1.0).notes[0]
+    assert Note.EDGE in nsp.extract(leakage.spectrum(turned, near, "box"), k, width=1.0, gravity=1.0).notes[0]
 
 
 def test_too_few_bins_are_noted():
@@ -324,13 +329,15 @@ def test_too_few_bins_are_noted():
     waves = scene(grid, (3, 0, 10, 1.0), (0, 3, 11, 1.0))
     spectrum = leakage.spectrum(waves, grid, "box")
     k = 3 * grid.wavenumber_resolution
-    assert Note.TOO_FEW_BINS in nsp.extract(spectrum, k, half_width=0.1).notes[0]  # (3, 0), (0, 3) and mirrors
-    assert Note.TOO_FEW_BINS not in nsp.extract(spectrum, k).notes[0]
+    assert (
+        Note.TOO_FEW_BINS in nsp.extract(spectrum, k, half_width=0.1, gravity=1.0).notes[0]
+    )  # (3, 0), (0, 3) and mirrors
+    assert Note.TOO_FEW_BINS not in nsp.extract(spectrum, k, gravity=1.0).notes[0]
 
 
 def test_a_shell_of_nothing_but_the_mean_is_flat_with_too_few_bins_or_no_number(untapered):
     dk = untapered.grid.wavenumber_resolution
-    found = nsp.extract(untapered, 0.1 * dk, half_width=0.5)  # k = 0 alone: nothing depends on the current
+    found = nsp.extract(untapered, 0.1 * dk, half_width=0.5, gravity=1.0)  # k = 0 alone: nothing depends on the current
     assert np.isnan(found.velocities).all() or found.notes[0] & Note.FLAT
     assert found.notes[0] & (Note.UNCONVERGED | Note.TOO_FEW_BINS | Note.NO_SIGNAL)
 
@@ -380,5 +387,5 @@ def test_a_score_without_a_maximum_is_no_number(magnitude, reason):
 )
 def test_bad_settings_are_refused(tapered, settings, fault):
     with pytest.raises(LeakrefError, match=r"^nsp\.extract: ") as caught:
-        nsp.extract(tapered, 1.0, **settings)
+        nsp.extract(tapered, 1.0, **{"gravity": 1.0, **settings})
     assert fault in caught.value.fault

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -17,7 +18,8 @@ from leakref.ensemble import Ensemble
 from leakref.golden.sets import Golden
 from leakref.planning import plan
 from leakref.planning.advice import advice, ranges
-from leakref.planning.command import parse_sweep
+from leakref.planning.command import _title, parse_sweep
+from leakref.planning.figures import plan_figure
 from leakref.planning.plan import GRAVITY, Campaign, Expected, Flight, Plan, expected
 from leakref.planning.quantities import number, quantity
 
@@ -237,13 +239,19 @@ CAMPAIGN = Campaign((8 * 15.0, 8 * 15.0), 31.0, 15.0, speed=0.5, current_directi
 
 
 def said(hann=0.3, box=0.9, ls=0.6, larger=0.2, longer=0.28, campaign=CAMPAIGN):
+    return advice(planning(hann, box, ls, larger, longer, campaign))
+
+
+def planning(hann=0.3, box=0.9, ls=0.6, larger=0.2, longer=0.28, campaign=CAMPAIGN):
+    """A plan whose errors are so many times the smaller resolution, of the current that the campaign has."""
+    of = partial(made, flight=replace(FLIGHT, speed=campaign.speed / campaign.scales.velocity))
     ways = {
-        ("box", "nsp"): made(box, "box"),
-        ("hann", "nsp"): made(hann),
-        ("box", "ls"): made(box, "box", "ls"),
-        ("hann", "ls"): made(ls, "hann", "ls"),
+        ("box", "nsp"): of(box, "box"),
+        ("hann", "nsp"): of(hann),
+        ("box", "ls"): of(box, "box", "ls"),
+        ("hann", "ls"): of(ls, "hann", "ls"),
     }
-    return advice(Plan(campaign, ways, made(larger), made(longer)))
+    return Plan(campaign, ways, of(larger), of(longer))
 
 
 def test_advice_follows_the_numbers():
@@ -284,6 +292,36 @@ def test_nothing_is_to_be_trusted_beyond_the_current():
     assert "current itself" not in said(campaign=replace(CAMPAIGN, speed=0.0))[2]
 
 
+def test_text_picture_and_table_trust_the_same_wavelengths():
+    """The text refused waves of 32 m that the picture shaded: beyond the current, if within the resolution."""
+    slow = planning(campaign=replace(CAMPAIGN, speed=0.25))
+    trusted = slow.best.wavelengths[slow.best.trusted]
+    assert 0 < trusted.size < slow.best.wavelengths.size
+    assert f"Trust wavelengths of {trusted[0]:.3g} to {trusted[-1]:.3g} m, not the others" in advice(slow)[2]
+    drawn = plan_figure(slow, "")
+    (shade,) = {
+        tuple(part.get_paths()[0].vertices[:, 0].tolist())
+        for ax in drawn.axes
+        for part in ax.collections
+        if "trusted" in str(part.get_label())
+    }
+    assert (min(shade), max(shade)) == pytest.approx((trusted[-1], trusted[0]))
+
+
+def test_the_axis_of_errors_begins_at_the_data():
+    one = planning()
+    lines = [values for e in one.ways.values() for values in (e.bias, 2 * e.random)]
+    low, high = plan_figure(one, "").axes[0].get_ylim()
+    assert low == pytest.approx(np.concatenate(lines).min() / 2)
+    assert high < 3 * max(np.concatenate(lines).max(), CAMPAIGN.speed, np.max(one.best.resolutions))
+
+
+def test_the_title_of_a_sweep_leaves_out_what_is_swept():
+    assert "spread" in _title(CAMPAIGN)
+    assert "spread" not in _title(CAMPAIGN, "spread")
+    assert "0.5 m/s" not in _title(CAMPAIGN, "current")
+
+
 def test_ranges_of_wavelengths():
     assert ranges([9, 8, 7, 6, 5], [True, True, False, True, False]) == [(9, 8), (6, 6)]
     assert ranges([9, 8], [False, False]) == []
@@ -310,6 +348,7 @@ def test_a_sweep_is_read():
         (("--spread", "0deg"), "spread = 0.0 is not positive"),
         (("--spread", "400deg"), "at most 360deg"),
         (("--gamma", "3.3m"), "--gamma 3.3m is not a number"),
+        (("--gamma", "0.5"), "a gamma of 0.5, where the JONSWAP spectrum has 1 and more"),
         (("--field-of-view", "30m"), "2 peak wavelengths across; take at least 3"),
         (("--field-of-view", "75m x 30m"), "2 peak wavelengths across"),
         (("--duration", "5s"), "periods of 3.1 s long"),

@@ -93,7 +93,7 @@ def test_a_wave_elsewhere_is_all_that_a_shell_holds_and_that_is_said():
             _, (i, j, _) = spectrum.strongest
             elsewhere = [k_i for k_i in k if (i, j) not in numbers(shell_at(spectrum, k_i), grid)]
             for method in ("nsp", "ls"):
-                for note in analyse(spectrum, elsewhere, method=method).notes:
+                for note in analyse(spectrum, elsewhere, method=method, gravity=1.0).notes:
                     judged += 1
                     assert note & (Note.LEAKAGE_FLOOR | Note.NO_SIGNAL | Note.UNCONVERGED), (window, method, note)
     assert judged > 100
@@ -201,6 +201,6 @@ def test_the_remedy_for_nyquist_is_one():
 )
 def test_bad_wavenumbers_are_refused_by_the_call_that_was_made(wavenumbers, fault):
     with pytest.raises(LeakrefError) as caught:
-        nsp.extract(noise(GRID), wavenumbers)
+        nsp.extract(noise(GRID), wavenumbers, gravity=1.0)
     assert fault in caught.value.fault
     assert "wavenumbers" in str(caught.value)

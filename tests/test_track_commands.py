@@ -317,3 +317,17 @@ def test_plot_of_what_is_not_there(team, tmp_path):
     assert "choose among small" in done.stderr
     done = leakref("plot", "--target", "nobody", cwd=team[0])
     assert done.returncode == 3
+
+
+def test_one_version_has_no_line_from_version_to_version_and_the_others_are_named(team, tmp_path):
+    kept = [entry.record for entry in history.read(team[0] / "leakref-history.jsonl").entries]
+    fields = [{k: v for k, v in one.items() if k not in ("schema", "digest", "after")} for one in kept]
+    path = tmp_path / "h.jsonl"
+    for own in ({**fields[0], "target": "another:code"}, fields[1]):
+        history.append(path, own)
+    done = leakref("plot", "--history", path, "--out", tmp_path / "out", cwd=tmp_path)
+    assert done.returncode == 0
+    assert f"Drawn: 1 version of {fields[1]['target']}, the last entry's." in " ".join(done.stdout.split())
+    assert "another:code; see --target" in " ".join(done.stdout.split())
+    assert not list((tmp_path / "out").glob("levels_*"))
+    assert list((tmp_path / "out").glob("curves_*"))

@@ -18,11 +18,11 @@ from typing import Any
 
 import numpy as np
 from rich.console import Console
-from rich.table import Table
 from scipy import fft
 
 from leakref import chain, fast, leakage, runs
 from leakref._output import dump, envelope, folder, progress_bar, write_whole
+from leakref._tables import Table
 from leakref.bench.limits import (
     MATRIX,
     MATRIX_ONE,
@@ -72,7 +72,11 @@ def literal(configuration: Configuration, realization: int) -> dict[tuple[str, s
     """
     k = configuration.wavenumbers
     spectra = chain.transform(configuration.components(realization), configuration.grid, configuration.windows)
-    return {(s.window, method): chain.analyse(s, k, method=method, search=False) for s in spectra for method in METHODS}
+    return {
+        (s.window, method): chain.analyse(s, k, method=method, search=False, gravity=1.0)
+        for s in spectra
+        for method in METHODS
+    }
 
 
 def _stages(configuration: Configuration, machine: Machine) -> list[Row]:
@@ -98,8 +102,8 @@ def _stages(configuration: Configuration, machine: Machine) -> list[Row]:
         "nsp": {"methods": ("nsp",), "search": False},
     }
     least = {name: _fast(configuration, 15, min, **settings) for name, settings in parts.items()}  # for differences
-    literal_nsp = seconds(lambda: chain.analyse(spectrum, k, search=False), 1)
-    literal_ls = seconds(lambda: chain.analyse(spectrum, k, method="ls"))
+    literal_nsp = seconds(lambda: chain.analyse(spectrum, k, search=False, gravity=1.0), 1)
+    literal_ls = seconds(lambda: chain.analyse(spectrum, k, method="ls", gravity=1.0))
     read = magnitudes_traffic(grid, k)
 
     def row(name: str, time: float, limit: str, asked: float, against: str = "", ratio: float | None = None) -> Row:
@@ -347,7 +351,7 @@ def run(out: Path, *, json: bool = False) -> bool:
         ("against", "left"),
         ("share of the limit", "left"),
     ):
-        table.add_column(name, justify=justify)  # type: ignore[arg-type]
+        table.add_column(name, justify=justify)
     for row in rows:
         table.add_row(
             row.name,

@@ -18,10 +18,10 @@ from time import perf_counter
 
 from rich.console import Console
 from rich.markup import escape
-from rich.table import Table
 
 from leakref._base import LeakrefError
 from leakref._output import console, dump, envelope, folder, progress_bar, write_whole
+from leakref._tables import Table
 from leakref.certify.certificate import REJECTED, SOUND, Certificate, junit, schema
 from leakref.certify.checks.draw import PUBLISHED, Draw
 from leakref.certify.runner import CutShort, certify, select

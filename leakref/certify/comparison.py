@@ -21,11 +21,11 @@ from typing import Any
 from jsonschema import Draft202012Validator
 from rich.console import Console
 from rich.markup import escape
-from rich.table import Table
 
 from leakref import __version__
 from leakref._base import LeakrefError, refusal
 from leakref._output import dump, envelope, folder, template, write_whole
+from leakref._tables import Table
 from leakref.certify.certificate import CONFORMANT, NO_GRADE, REJECTED, SOUND, schema
 from leakref.certify.checks.registry import FAMILIES
 from leakref.certify.verdict import WRONG, Verdict, printable

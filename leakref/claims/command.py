@@ -12,10 +12,10 @@ from pathlib import Path
 from typing import Any
 
 from rich.console import Console
-from rich.table import Table
 
 from leakref import runs
 from leakref._output import console, dump, envelope, folder, progress_bar
+from leakref._tables import Table
 from leakref.claims.evidence import Evidence
 from leakref.claims.registry import DEPENDS, NOT_REPRODUCED, REPRODUCED, Finding, select
 from leakref.claims.stored import write

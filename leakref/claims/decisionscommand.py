@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import Any
 
 from rich.console import Console
-from rich.table import Table
 
 from leakref import LeakrefError, runs
 from leakref._output import console, dump, envelope, folder, progress_bar
+from leakref._tables import Table
 from leakref.claims import CLAIMS
 from leakref.claims.registry import position
 from leakref.claims.shifts import MOVED, Shifts, moving, rejudged, study, summary

@@ -191,7 +191,10 @@ def resampled(configuration: Configuration, realization: int) -> FloatArray:
     spectra = [fourier(turned, grid, window) for window in configuration.windows]
     return np.array(
         [
-            [analyse(spectrum, configuration.wavenumbers, method=method, search=False).velocities for method in METHODS]
+            [
+                analyse(spectrum, configuration.wavenumbers, method=method, search=False, gravity=1.0).velocities
+                for method in METHODS
+            ]
             for spectrum in spectra
         ]
     )

@@ -56,7 +56,7 @@ def picture(finding: Finding) -> Figure:
     panels = panels[:_MOST]
     columns = min(3, len(panels))
     rows = -(-len(panels) // columns)
-    with mpl.rc_context({"axes.titlesize": 8, "font.size": 8}):
+    with mpl.rc_context({"axes.titlesize": 8.6, "font.size": 8.6}):
         drawing, axes = figure(rows, columns, width=3.6 * columns + 0.4, height=2.3)
         for ax, (words, part, tally) in zip(axes.flat, panels, strict=False):
             _panel(ax, tally)
@@ -103,13 +103,13 @@ def _panel(ax: Any, tally: Tally) -> None:
     ax.set_xlabel("$k$ / $k_0$" if by_shell else "comparison, in the order of the case")
     ax.set_ylabel("holds by ($c_0$, ratio or °)")
     if tally.size:
-        ax.legend(loc="best", fontsize=7)
+        ax.legend(loc="best")
 
 
 def _list(finding: Finding) -> Figure:
     """The readings in words; for a claim about windows, beside their transforms (fig:leakage_lobes)."""
     of_windows = finding.claim.id[0] == "W"
-    with mpl.rc_context({"font.size": 8}):
+    with mpl.rc_context({"font.size": 8.6}):
         drawing, axes = figure(
             1, 1 + of_windows, width=9 if of_windows else 6, height=max(2.4, 0.4 + 0.4 * len(finding.readings))
         )
@@ -178,7 +178,7 @@ def decisions_figure(result: dict[str, Any]) -> Figure:
     }
     rows = {method: found for method, found in rows.items() if found}
     most = max(map(len, rows.values()))
-    with mpl.rc_context({"font.size": 8, "axes.titlesize": 10}):
+    with mpl.rc_context({"font.size": 8.6, "axes.titlesize": 10}):
         drawing, axes = figure(1, len(rows), width=7.6 * len(rows), height=max(2.0, 0.5 + 0.33 * most), sharex=True)
         for ax, (method, variants) in zip(axes[0], rows.items(), strict=True):
             for line, (_, _, members) in enumerate(variants):

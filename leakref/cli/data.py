@@ -15,7 +15,12 @@ __all__ = ["export", "extract", "plan"]
 
 @command(DATA)
 def extract(
-    file: Annotated[Path, typer.Argument(help="A cube: npz, mat (v5 to v7), NetCDF, or npy with --spacing.")],
+    file: Annotated[
+        Path,
+        typer.Argument(
+            help="A cube: npz, mat, NetCDF, zarr or npy; or a folder of PNG or TIFF images, a TIFF stack, mp4 or avi."
+        ),
+    ],
     window: Annotated[str, typer.Option(help="box (none), hann, blackman or kaiser-bessel.")] = "hann",
     method: Annotated[str, typer.Option(help="nsp or ls.")] = "nsp",
     wavenumbers: Annotated[
@@ -27,8 +32,29 @@ def extract(
     ] = None,
     screen: Annotated[bool, typer.Option("--screen", help="Is leakage at work? Untapered against tapered.")] = False,
     rotate: Annotated[float | None, typer.Option(help="With --screen: also turn the images, degrees.")] = None,
-    spacing: Annotated[str | None, typer.Option(help="dx,dy,dt, instead of coordinates in the file.")] = None,
-    axes: Annotated[str | None, typer.Option(help="Order in which eta is stored, such as txy.")] = None,
+    variable: Annotated[
+        str | None, typer.Option(help="What the samples are called in the file, such as IMG_SEQ.IMG.")
+    ] = None,
+    spacing: Annotated[
+        str | None, typer.Option(help="dx,dy,dt, instead of coordinates in the file; 0.3,0.3,1/29.97.")
+    ] = None,
+    axes: Annotated[
+        str | None, typer.Option(help="Order in which the samples are stored, such as txy, where it is not known.")
+    ] = None,
+    y: Annotated[
+        str | None, typer.Option("--y", help="up or down: where rows with a larger index lie; down in images.")
+    ] = None,
+    crop: Annotated[
+        str | None, typer.Option(help="Region of interest, x0:x1,y0:y1 in samples as they are stored.")
+    ] = None,
+    frames: Annotated[str | None, typer.Option(help="Which frames: first:end, counted from 0; 0:600:2.")] = None,
+    fill_holes: Annotated[
+        float,
+        typer.Option(help="Share of samples that may be missing (NaN, filled with the mean) or lost (interpolated)."),
+    ] = 0.0,
+    drop_doubled: Annotated[
+        bool, typer.Option("--drop-doubled", help="Leave out frames that are the same as the one before.")
+    ] = False,
     gravity: Annotated[float | None, typer.Option(help="In the file's units, if it does not say.")] = None,
     detrend: Annotated[str, typer.Option(help="Remove first: none, mean, or linear (a plane in x, y, t).")] = "none",
     out: Annotated[Path | None, typer.Option(help="Folder for JSON, CSV, NetCDF and figures.")] = None,
@@ -44,12 +70,18 @@ def extract(
         wavenumbers=wavenumbers,
         screening=screen,
         rotate=rotate,
-        spacing=spacing,
-        axes=axes,
-        gravity=gravity,
         detrend=detrend,
         out=out,
         json=json,
+        spacing=spacing,
+        crop=crop,
+        frames=frames,
+        variable=variable,
+        axes=axes,
+        y=y,
+        gravity=gravity,
+        holes=fill_holes,
+        drop_doubled=drop_doubled,
     )
 
 

@@ -7,6 +7,7 @@ samples on the way: ones that are not finite are refused with the place where th
 
 from __future__ import annotations
 
+import mmap
 from collections.abc import Iterator
 from typing import Any
 
@@ -18,7 +19,7 @@ from leakref.grid import Grid
 from leakref.spectrum import Spectrum
 from leakref.window import window as named_window
 
-__all__ = ["TRENDS", "fourier_in_blocks", "plane", "trend"]
+__all__ = ["TRENDS", "fourier_in_blocks", "largest_kept", "plane", "release", "trend"]
 
 TRENDS = ("none", "mean", "linear")
 """What can be removed before the transform: nothing, the mean, or the plane a + bx x + by y + bt t."""
@@ -36,6 +37,7 @@ def _blocks(surface: Any, size: int) -> Iterator[tuple[int, slice, FloatArray]]:
     step = max(1, size * n // (8 * int(np.prod(surface.shape, dtype=np.int64))))
     largest = 0.0
     for start in range(0, n, step):
+        release(surface)
         part = slice(start, min(start + step, n))
         samples = finite(
             "extract",
@@ -49,6 +51,16 @@ def _blocks(surface: Any, size: int) -> Iterator[tuple[int, slice, FloatArray]]:
         yield axis, part, samples
     if largest and not 2.0**-ORDINARY <= largest <= 2.0**ORDINARY:
         raise LeakrefError("extract", f"the surface has samples of {largest:.3g} and no more", "scale them nearer to 1")
+
+
+def release(surface: Any) -> None:
+    """Let go of what a memory-mapped file has brought into memory; it is read again where it is needed.
+
+    The system would do so by itself, but only when memory is short, and until then it would count as ours.
+    """
+    mapped = getattr(surface, "_mmap", None)
+    if mapped is not None and hasattr(mapped, "madvise"):
+        mapped.madvise(mmap.MADV_DONTNEED)
 
 
 def trend(surface: Any, kind: str, *, block: int = _BLOCK) -> FloatArray:
@@ -79,6 +91,21 @@ def trend(surface: Any, kind: str, *, block: int = _BLOCK) -> FloatArray:
     found /= np.prod(surface.shape, dtype=np.float64)
     found[1:] *= [12 / (n**2 - 1) if kind == "linear" else 0.0 for n in surface.shape]
     return found
+
+
+def largest_kept(surface: Any, grid: Grid, size: float) -> float:
+    """The largest wavenumber, rad per length, up to which `fourier_in_blocks` needs no more than `size` bytes.
+
+    What it needs is the transform along two axes, before the last one follows along the axis that is slowest in the
+    file. `surface` is only asked how it is stored.
+    """
+    axis = int(np.argmax(np.abs(getattr(surface, "strides", (3, 2, 1)))))
+    nx, ny, nt = grid.shape
+    if axis == 2:
+        bins = size / (16 * nt)  # in the plane, a square about zero
+        return float(np.sqrt(bins * np.prod(grid.bin_widths[:2])) / 2)
+    across, width = (nx, grid.bin_widths[1]) if axis == 0 else (ny, grid.bin_widths[0])
+    return float(size / (16 * across * (nt // 2 + 1)) * width / 2)
 
 
 def plane(
@@ -142,10 +169,14 @@ def fourier_in_blocks(
             partial = np.empty(shape, dtype=np.complex128)
         partial[(slice(None),) * axis + (part,)] = values
     assert partial is not None  # a grid has samples
-    if axis == 2:
-        whole = np.stack([fft.ifft(row, axis=-1, norm="forward")[:, :half] for row in partial])
-    elif axis == 0:
-        whole = np.stack([fft.fft(partial[:, b], axis=0)[kept[0]] for b in range(partial.shape[1])], axis=1)
-    else:
-        whole = np.stack([fft.fft(row, axis=0)[kept[1]] for row in partial])
+    whole = np.empty((kept[0].size, kept[1].size, half), dtype=np.complex128)
+    for n in range(
+        whole.shape[1] if axis == 0 else whole.shape[0]
+    ):  # row by row into its place: nothing is there twice
+        if axis == 2:
+            whole[n] = fft.ifft(partial[n], axis=-1, norm="forward")[:, :half]
+        elif axis == 0:
+            whole[:, n] = fft.fft(partial[:, n], axis=0)[kept[0]]
+        else:
+            whole[n] = fft.fft(partial[n], axis=0)[kept[1]]
     return Spectrum(grid, window, kept[0], kept[1], whole)

@@ -12,7 +12,8 @@ from pathlib import Path
 from leakref._base import LeakrefError, positive
 from leakref._output import dump, envelope, folder
 from leakref.cases import configurations
-from leakref.cubes import files, formats
+from leakref.cubes import files
+from leakref.cubes.hdf import netcdf_library
 from leakref.dispersion import Scales
 
 __all__ = ["export"]
@@ -57,7 +58,7 @@ def export(
         positive("export", peak_wavenumber=peak_wavenumber, gravity=gravity)
         scales = Scales(peak_wavenumber, gravity)
     if format == "netcdf":
-        formats.netcdf_library()
+        netcdf_library()
     folder(out.parent)
     if out.is_dir():
         raise LeakrefError("export", f"{out} is a folder", "name the file to write")

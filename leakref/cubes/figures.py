@@ -7,12 +7,13 @@ keep the units of the file, which stand on the axes.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from textwrap import fill
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from leakref._base import FloatArray
-from leakref.cubes.screen import Screening
+from leakref.cubes.screen import LEAKAGE, NO_CHANGE, NO_SIGNAL, UNRESOLVED, Screening
 from leakref.figures import COLOURS, figure, styled
 from leakref.shell import Extraction
 
@@ -39,7 +40,7 @@ def extraction_figure(
     flagged = np.array([bool(names) for names in flags])
     for component, ax in enumerate(axes[0]):
         c, colour = found.velocities[:, component], COLOURS[component]
-        for values, alpha, what in zip(resolutions, (0.3, 0.15), (r"\omega", "k"), strict=True):
+        for values, alpha, what in zip(resolutions, (0.3, 0.15), ("frequency", "wavenumber"), strict=True):
             ax.fill_between(
                 k,
                 c - values,
@@ -47,17 +48,20 @@ def extraction_figure(
                 color=colour,
                 alpha=alpha,
                 lw=0,
-                label=rf"$\pm\,\delta c_{{\delta {what}}}$ (resolution)",
+                label=f"± resolution ({what})",
             )
         ax.plot(k, c, color=colour, lw=1.2)
         ax.plot(k[~flagged], c[~flagged], "o", color=colour, ms=3.5, label="measured")
         if flagged.any():
-            names = ", ".join(sorted({name for one in flags for name in one}))
+            names = fill(", ".join(sorted({name for one in flags for name in one})), 18)
             ax.plot(k[flagged], c[flagged], "o", mec=colour, mfc="white", ms=4.5, label=f"flagged: {names}")
         if current is not None:
             ax.axhline(current[component], color="black", lw=0.8, ls="--", label="current stated in the file")
         ax.set_title(f"$\\tilde{{c}}_{'xy'[component]}$")
         ax.set_xlabel(f"wavenumber ({units[0]})")
+        if not np.isfinite(c).any():  # an empty picture would look like a mistake of the drawing
+            ax.text(0.5, 0.5, "no velocity at any wavenumber", transform=ax.transAxes, ha="center", va="center")
+            ax.set_xlim(k.min() * 0.95, k.max() * 1.05)
         ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2)
     axes[0, 0].set_ylabel(f"Doppler shift velocity ({units[1]})")
     drawing.suptitle(title)
@@ -88,9 +92,14 @@ def screening_figure(
                 lw=1.4,
                 label=rf"$\tilde{{c}}_{'xy'[component]}$ {what}",
             )
-    for values, line, what in zip(resolutions, ("-", "--"), (r"\omega", "k"), strict=True):
-        right.plot(k, values, color="0.6", ls=line, lw=1, label=rf"resolution $\delta c_{{\delta {what}}}$")
-    looks = {"fine": ("o", COLOURS[2]), "leakage": ("X", COLOURS[1]), "no signal": ("_", "0.5")}
+    for values, line, what in zip(resolutions, ("-", "--"), ("frequency", "wavenumber"), strict=True):
+        right.plot(k, values, color="0.6", ls=line, lw=1, label=f"resolution ({what})")
+    looks = {
+        NO_CHANGE: ("o", COLOURS[2]),
+        UNRESOLVED: ("D", COLOURS[4]),
+        LEAKAGE: ("X", COLOURS[1]),
+        NO_SIGNAL: ("_", "0.5"),
+    }
     for verdict, (marker, colour) in looks.items():
         on = np.array([v == verdict for v in result.verdicts])
         if on.any():

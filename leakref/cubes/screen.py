@@ -28,12 +28,14 @@ from leakref.spectrum import Spectrum
 from leakref.window import window
 
 __all__ = [
-    "FINE",
     "LEAKAGE",
     "LEAKED_SHARE",
     "NOISE",
+    "NO_CHANGE",
     "NO_SIGNAL",
     "SIGNAL",
+    "TELLING",
+    "UNRESOLVED",
     "Screening",
     "Turned",
     "leaked_share",
@@ -43,8 +45,12 @@ __all__ = [
     "turn",
 ]
 
-FINE, LEAKAGE, NO_SIGNAL = "fine", "leakage", "no signal"
-"""The verdicts, as they stand in tables and in the JSON."""
+NO_CHANGE, UNRESOLVED, LEAKAGE, NO_SIGNAL = "no change", "below resolution", "leakage", "no signal"
+"""The verdicts, as they stand in tables and in the JSON. None says that a velocity is right: "no change" is that the
+taper does not move it, "below resolution" that it does, by less than can be told from chance.
+"""
+TELLING = 0.1
+"""A change counts from this part of the velocity, or of the resolution if that is larger."""
 SIGNAL = 1e-2
 """A shell holds signal if its largest |S| is at least this part of that of the strongest shell ..."""
 NOISE = 2.0
@@ -75,7 +81,7 @@ class Turned:
 
 @dataclass(frozen=True)
 class Screening:
-    """Untapered against tapered at n wavenumbers, and a verdict on each: "fine", "leakage" or "no signal".
+    """Untapered against tapered at n wavenumbers, and a verdict on each: one of the four words above.
 
     `disagreement` (n,) is the length of the difference of the two velocities; `resolution` (n,) the larger of eq:dcdwk;
     `leaked` (n,) the share of the untapered shell's magnitude that the taper removes.
@@ -149,7 +155,7 @@ def screen(
     tapered: Spectrum,
     wavenumbers: FloatArray,
     *,
-    gravity: float = 1.0,
+    gravity: float,
     method: str = "nsp",
     rotated: Turned | None = None,
 ) -> Screening:
@@ -159,7 +165,8 @@ def screen(
     no number to compare. Leakage: the two disagree by more than both resolutions of eq:dcdwk, and at least LEAKED_SHARE
     of the untapered shell is gone when tapered (else the taper, which mixes neighbouring bins, made the difference); or
     the untapered velocities with and without a turn of the camera disagree by more than both resolutions of the
-    smaller, rotated cube. Fine: all others. Raises LeakrefError.
+    smaller, rotated cube. Of the others: below resolution, if the taper moves the velocity by `TELLING` of it or more,
+    so that it may be off by as much without anybody knowing; no change, if by less. Raises LeakrefError.
 
     Both spectra are of the same cube; `wavenumbers` (n,) in rad per length, `gravity` in the units of the cube.
     """
@@ -177,7 +184,11 @@ def screen(
         suspect |= np.hypot(*(rotated.untapered - plain.velocities).T) > rotated.resolution
     empty = ~np.array(shells_with_signal(tapered, wavenumbers)) | ~np.isfinite(off)
     empty |= [Note.LEAKAGE_FLOOR in note for note in smooth.notes]
-    verdicts = tuple(NO_SIGNAL if e else LEAKAGE if s else FINE for e, s in zip(empty, suspect, strict=True))
+    moved = off > TELLING * np.maximum(np.hypot(*smooth.velocities.T), resolution)
+    verdicts = tuple(
+        NO_SIGNAL if e else LEAKAGE if s else UNRESOLVED if m else NO_CHANGE
+        for e, s, m in zip(empty, suspect, moved, strict=True)
+    )
     return Screening(plain, smooth, off, resolution, leaked, verdicts, rotated)
 
 
@@ -207,7 +218,7 @@ def rotate(surface: Any, grid: Grid, angle: float) -> tuple[FloatArray, Grid]:
 
 
 def turn(
-    spectra: Sequence[Spectrum], wavenumbers: FloatArray, angle: float, *, gravity: float = 1.0, method: str = "nsp"
+    spectra: Sequence[Spectrum], wavenumbers: FloatArray, angle: float, *, gravity: float, method: str = "nsp"
 ) -> Turned:
     """The velocities from the (untapered, tapered) spectra of a cube rotated by `angle`, turned back.
 

@@ -12,10 +12,10 @@ from pathlib import Path
 from typing import Any
 
 from rich.console import Console
-from rich.table import Table
 
 from leakref import LeakrefError
 from leakref._output import console, dump, envelope, folder, progress_bar
+from leakref._tables import Table
 from leakref.golden import beside
 from leakref.golden.linting import lint
 from leakref.golden.sets import Golden, Report, locate
@@ -145,7 +145,7 @@ def run_regenerate(
         ("over tolerance", "right"),
         ("written", "left"),
     ):
-        table.add_column(column, justify=justify)  # type: ignore[arg-type]
+        table.add_column(column, justify=justify)
     for row in rows:
         if row["change"] != "same":
             figures = ["" if row[key] is None else f"{row[key]:.2g}" for key in ("largest", "over_tolerance")]

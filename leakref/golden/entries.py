@@ -89,7 +89,7 @@ def _by_surface(c: Configuration, number: int) -> tuple[dict[str, Any], dict[str
     notes: dict[str, Any] = {}
     for spectrum in _one_by_one(c, number):
         for method in METHODS:
-            one = analyse(spectrum, c.wavenumbers, method=method)
+            one = analyse(spectrum, c.wavenumbers, method=method, gravity=1.0)
             name = f"{spectrum.window}_{method}"
             found[name], notes[name] = one.velocities, _names(one)
             conditioning[name] = velocity_conditioning(spectrum, one, turns)

@@ -171,7 +171,7 @@ def cylinder() -> Figure:
     grid = Grid.scaled(10, 20)
     waves = SeaState(direction=60, spread=180, length=10, current=UniformCurrent(_CURRENT)).components(0)
     spectrum = leakage.spectrum(waves, grid, "hann", largest_wavenumber=_RADIUS + 0.4)
-    u, v = nsp.extract(spectrum, [_RADIUS], search=False).velocities[0]
+    u, v = nsp.extract(spectrum, [_RADIUS], search=False, gravity=1.0).velocities[0]
     drawing, empty = figure(2, 1, width=7.0, height=3.1, height_ratios=(1.35, 1))
     empty[0, 0].set_axis_off()
     for column, (velocity, colour, title) in enumerate(

@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
-from rich.table import Table
 
 from leakref import runs
 from leakref._output import console, dump, envelope, folder, progress_bar, write_whole
+from leakref._tables import Table
 from leakref.cases import Configuration, configurations
 from leakref.ensemble import Ensemble
 from leakref.paper.shear import DIRECTIONS, Inferred, Sheared, answer, inferred, sheared

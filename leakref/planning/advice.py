@@ -87,8 +87,7 @@ def _trust(campaign: Campaign, best: Expected) -> list[str]:
     """Where a single flight stays within the resolution, and where within a share of the current. A wavelength is
     trusted if bias and twice the random part stay below the resolution, and below the current itself.
     """
-    single = best.bias + 2 * best.random
-    trusted = best.trusted & (single < (campaign.speed or np.inf))
+    single, trusted = best.single, best.trusted
     worst = int(np.argmax(np.where(trusted, single, -1)))
     limit = "the smaller velocity resolution" + " and the current itself" * bool(campaign.speed)
     said = [

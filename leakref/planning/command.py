@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
-from rich.table import Table
 
 from leakref import runs
 from leakref._base import LeakrefError
 from leakref._output import console, dump, envelope, folder, progress_bar, write_whole
+from leakref._tables import Table
 from leakref.planning.advice import advice
 from leakref.planning.plan import GRAVITY, Campaign, Expected, Plan, default_realizations, expected, plan, swept, work
 from leakref.planning.quantities import number, quantity
@@ -229,14 +229,21 @@ def _table(path: Path, rows: Sequence[tuple[dict[str, Any], Expected]]) -> None:
     write_whole(path, write)
 
 
-def _title(c: Campaign) -> str:
-    """What was asked for, in a line, for the pictures."""
+def _title(c: Campaign, swept: str = "") -> str:
+    """What was asked for, in a line, for the pictures; but for the parameter that is `swept`, which has many values."""
     sides = dict.fromkeys(f"{side:.4g}" for side in c.field_of_view)
     current = f"current {c.speed:.3g} m/s at {c.current_direction:.4g}°" if c.speed else "no current"
-    return (
-        f"{' x '.join(sides)} m for {c.duration:.4g} s; waves of {c.peak_wavelength:.4g} m at {c.direction:.4g}°, "
-        rf"spread {c.spread:.4g}°, $\gamma$ = {c.peakedness:.3g}; {current}"
-    )
+    if swept in ("current", "current-direction"):
+        current = f"current at {c.current_direction:.4g}°" if swept == "current" else f"current {c.speed:.3g} m/s"
+    said = {
+        "field-of-view": f"{' x '.join(sides)} m",
+        "duration": f"for {c.duration:.4g} s",
+        "peak-wavelength": f"waves of {c.peak_wavelength:.4g} m",
+        "direction": f"going to {c.direction:.4g}°",
+        "spread": f"spread {c.spread:.4g}°",
+        "gamma": rf"$\gamma$ = {c.peakedness:.3g}",
+    }
+    return ", ".join([*(words for name, words in said.items() if name != swept), current])
 
 
 def _write(
@@ -263,12 +270,11 @@ def _write(
             out / "plan_sweep.csv",
             [({name: value}, e) for value, ways in zip(values, sweeps, strict=True) for e in ways.values()],
         )
-        unit = PARAMETERS[name][1]
-        label = f"{name.replace('-', ' ')} ({unit})" if unit else name
-        pictures += save(
-            sweep_figure(label, values, sweeps, f"Sweep over the {name.replace('-', ' ')}: {_title(found.campaign)}"),
-            out / "plan_sweep",
-        )
+        unit, words = PARAMETERS[name][1], name.replace("-", " ")
+        label = f"{words} ({unit})" if unit else words
+        count = len(sweeps[0]["hann", "nsp"].measured.velocities)
+        title = f"Sweep over the {words}, {count} realisations of each: {_title(found.campaign, name)}"
+        pictures += save(sweep_figure(label, values, sweeps, title), out / "plan_sweep")
     return pictures
 
 
@@ -287,7 +293,7 @@ def _show(
         title_justify="left",
         caption=f"{count} simulated flights, so that the mean is uncertain by the deviation over "
         f"{np.sqrt(count):.1f}. Green: mean and twice the deviation are within the smaller of the velocity "
-        "resolutions, domega / k and cg dk / k.",
+        "resolutions, domega / k and cg dk / k" + ", and of the current." * bool(found.campaign.speed),
         caption_justify="left",
         box=SIMPLE_HEAD,
         pad_edge=False,
@@ -316,19 +322,26 @@ def _sweep_table(name: str, values: Sequence[float], sweeps: Sequence[Mapping[tu
     not in their difference.
     """
     unit = PARAMETERS[name][1]
+    count = len(sweeps[0]["hann", "nsp"].measured.velocities)
     table = Table(
-        title="Mean of |c - U| by NSP in m/s, untapered and with Hann, at wavelengths nearest to those named",
+        title="Mean of |c - U| by NSP in m/s ± its standard error, at about 1.5, 1 and 0.5 of the peak's wavelength",
         title_justify="left",
+        caption=f"{count} realisations of each value.",
+        caption_justify="left",
         box=SIMPLE_HEAD,
+        pad_edge=False,
+        padding=(0, 1, 0, 0),
     )
-    table.add_column(f"{name} ({unit})" if unit else name, justify="right")
+    table.add_column(f"{name}\n({unit})" if unit else name, justify="right")
     for share in _SHOWN:
-        table.add_column(f"{share:g} of the peak's", justify="right")
+        for words in ("untapered", "Hann"):
+            table.add_column(f"{share:g}\n{words}", justify="right")
     for value, ways in zip(values, sweeps, strict=True):
         cells = []
         for share in _SHOWN:
             peak = 2 * np.pi * ways["hann", "nsp"].scales.length
             at = int(np.abs(np.log(ways["hann", "nsp"].wavelengths / (share * peak))).argmin())
-            cells.append(", ".join(f"{ways[window, 'nsp'].bias[at]:.3f}" for window in ("box", "hann")))
+            for e in (ways[window, "nsp"] for window in ("box", "hann")):
+                cells.append(f"{e.bias[at]:.3f}±{e.standard_error[at]:.3f}")
         table.add_row(f"{value:.4g}", *cells)
     return table

@@ -18,7 +18,7 @@ import numpy.typing as npt
 
 from leakref import runs
 from leakref._base import FloatArray, LeakrefError, finite, integer, positive
-from leakref.cases import Configuration
+from leakref.cases import SHELLS, Configuration
 from leakref.chain import shell_wavenumbers
 from leakref.dispersion import Scales
 from leakref.ensemble import Ensemble
@@ -74,7 +74,7 @@ class Flight(Configuration):
     @property
     def wavenumbers(self) -> FloatArray:
         """Those of the paper's shells (decision D9) that lie within the Nyquist wavenumber, (n,)."""
-        k, dk = shell_wavenumbers(self.grid), self.grid.wavenumber_resolution
+        k, dk = shell_wavenumbers(self.grid, *SHELLS), self.grid.wavenumber_resolution
         return k[k + HALF_WIDTH * dk < min(self.grid.nyquist[:2]) * (1 - EDGE_MARGIN)]
 
 
@@ -89,9 +89,9 @@ class Campaign:
     - `duration`: of the video, s; `peak_wavelength`: m; `speed`: of the current, m/s, below the waves' own.
     - `pixel`: m; `frame_rate`: images a second.
 
-    Refused are numbers that are not finite or not positive, a spread above 360 degrees, a current as fast as the waves,
-    an area or a video of fewer than `FEWEST` wavelengths or periods, one of more than `MOST` bins, and a pixel or a
-    frame rate that does not resolve the waves at the peak.
+    Refused are numbers that are not finite or not positive, a gamma below 1, a spread above 360 degrees, a current as
+    fast as the waves, an area or a video of fewer than `FEWEST` wavelengths or periods, one of more than `MOST` bins,
+    and a pixel or a frame rate that does not resolve the waves at the peak.
     """
 
     field_of_view: tuple[float, float]
@@ -120,6 +120,12 @@ class Campaign:
                 **given,
             },
         )
+        if self.peakedness < 1:
+            raise LeakrefError(
+                "plan",
+                f"a gamma of {self.peakedness:g}, where the JONSWAP spectrum has 1 and more",
+                "give 1 for a fully developed sea, 3.3 for a usual one, up to 7 for a young one",
+            )
         if self.spread > 360:
             raise LeakrefError("plan", f"a spread of {self.spread:g} degrees", "give a full width of at most 360deg")
         if not 0 <= self.speed < self.scales.velocity:
@@ -296,12 +302,21 @@ class Expected:
 
     @property
     def trusted(self) -> npt.NDArray[np.bool_]:
-        """Where bias and twice the random part are within the smaller resolution, (n,): so is a single flight. A
-        wavelength at which one realisation has no number is not trusted.
+        """Where bias and twice the random part are within the smaller resolution, and within the current if there is
+        one, (n,): so is a single flight. A wavelength at which one realisation has no number is not trusted.
+
+        Text, tables, pictures and JSON all ask here.
         """
         all_there = self.measured.count == len(self.measured.velocities)
-        single = self.bias + 2 * np.nan_to_num(self.random)
-        return np.asarray(all_there & (single <= np.minimum(*self.resolutions)))
+        speed = self.measured.configuration.speed * self.scales.velocity
+        return np.asarray(
+            all_there & (self.single <= np.minimum(*self.resolutions)) & (self.single < (speed or np.inf))
+        )
+
+    @property
+    def single(self) -> FloatArray:
+        """Bias and twice the random part, (n,) in m/s: what a single flight errs by at most, but for one in twenty."""
+        return np.asarray(self.bias + 2 * np.nan_to_num(self.random))
 
     def level(self) -> tuple[float, float]:
         """The bias over the wavelengths up to the peak's, which matter most, and its standard error; m/s. Each

@@ -17,10 +17,10 @@ from typing import Any
 
 from rich.console import Console
 from rich.markup import escape
-from rich.table import Table
 
 from leakref import LeakrefError, runs
 from leakref._output import console, dump, envelope, folder, progress_bar, write_whole
+from leakref._tables import Table
 from leakref.certify.targets import HarnessBroken, Limits, connect
 from leakref.golden.beside import noted
 from leakref.track import history, tracking
@@ -328,6 +328,7 @@ def run_plot(path: Path, *, cases: Sequence[str], target: str | None, out: Path,
     kept = history.read(path)
     _say_faults(kept)
     wanted = target or (kept.entries[-1].target if kept.entries else "")
+    others = list(dict.fromkeys(entry.target for entry in kept.entries if entry.target != wanted))
     entries = [entry for entry in kept.entries if entry.target == wanted]
     there = list(dict.fromkeys(one["case"] for entry in entries for one in entry.record["measurements"]))
     if not there:
@@ -342,7 +343,8 @@ def run_plot(path: Path, *, cases: Sequence[str], target: str | None, out: Path,
     pictures, paths = [], []
     for case in present:
         name = "".join(letter if letter.isalnum() or letter in ".-" else "_" for letter in case)
-        for kind, draw, words in (("levels", page.levels_figure, _LEVELS), ("curves", page.curves_figure, _CURVES)):
+        kinds = [("levels", page.levels_figure, _LEVELS), ("curves", page.curves_figure, _CURVES)]
+        for kind, draw, words in kinds[len(shown) == 1 :]:  # of one version there is no line from version to version
             files = save(draw(shown, case), out / f"{kind}_{name}")
             pictures.append(
                 {"title": f"{case}: {_TITLES[kind]}", "words": words, "data": b64encode(files[0].read_bytes()).decode()}
@@ -357,6 +359,8 @@ def run_plot(path: Path, *, cases: Sequence[str], target: str | None, out: Path,
                     "track",
                     True,
                     action="plot",
+                    target=wanted,
+                    other_targets=others,
                     entries=[_summary(entry) for entry in entries],
                     paths=paths,
                     faults=kept.faults,
@@ -364,6 +368,12 @@ def run_plot(path: Path, *, cases: Sequence[str], target: str | None, out: Path,
             )
         )
     else:
+        of = f"of {wanted}, the last entry's" if others and not target else f"of {wanted}"
+        Console().print(f"Drawn: {len(shown)} version{'s' * (len(shown) > 1)} {escape(of)}.", soft_wrap=True)
+        if others:
+            Console().print(f"Also in {escape(str(path))}: {escape(', '.join(others))}; see --target.", soft_wrap=True)
+        if len(shown) == 1:
+            Console().print("Bias against version is drawn from two versions on.")
         Console().print(
             f"Page: {paths[0]}; beside it {len(paths) - 1} pictures of {', '.join(present)}", soft_wrap=True
         )

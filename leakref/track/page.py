@@ -90,17 +90,18 @@ def levels_figure(shown: Sequence[Version], case: str) -> Figure:
             ax.set_xticks(range(len(shown)), [one.entry.label for one in shown], rotation=90 if len(shown) > 4 else 0)
     for ax in axes[-1]:
         ax.set_xlabel("version")
-    _legend(drawing, axes)
+    _legend(drawing, axes, f"{shown[-1].entry.target}: {case}")
     return drawing
 
 
-def _legend(drawing: Figure, axes: Any) -> None:
-    """One below all axes, each label once."""
+def _legend(drawing: Figure, axes: Any, title: str) -> None:
+    """One below all axes, each label once; and the title above, which says whose versions these are."""
     once: dict[str, Any] = {}
     for ax in axes.flat:
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
             once.setdefault(label, handle)
     drawing.legend(once.values(), once.keys(), loc="outside lower center", ncols=6, frameon=False)
+    drawing.suptitle(title, fontsize=9)
 
 
 def _level(
@@ -150,6 +151,7 @@ def curves_figure(shown: Sequence[Version], case: str) -> Figure:
     for row, method in enumerate(methods):
         for column, window in enumerate(windows):
             ax = axes[row, column]
+            ends: list[float] = []
             for n, one in enumerate(chosen):
                 if (series := one.series.get((case, window, method))) is not None:
                     ax.fill_between(
@@ -167,16 +169,21 @@ def curves_figure(shown: Sequence[Version], case: str) -> Figure:
                         color=COLOURS[n],
                         lw=2.6 - 0.45 * n,
                         ls=("-", "--")[n % 2],
+                        marker="o" if len(series.wavenumbers) == 1 else "",
                         label=one.entry.label,
                     )
-                    ax.set_ylim(np.nanmin(series.bias) / 2, max(np.nanmax(series.bias), series.resolution.max()) * 1.5)
+                    ends += [
+                        float(v) for v in (np.nanmin(series.bias), np.nanmax(series.bias), series.resolution.max())
+                    ]
+            if ends:
+                ax.set_ylim(min(ends) / 2, max(ends) * 1.5)
             ax.set_yscale("log")
             ax.set_ylabel("mean error / $c_0$")
             ax.set_title(f"{window}, {method}")
             ax.grid(alpha=0.25)
     for ax in axes[-1]:
         ax.set_xlabel("$k$ / $k_0$")
-    _legend(drawing, axes)
+    _legend(drawing, axes, f"{shown[-1].entry.target}: {case}")
     return drawing
 
 

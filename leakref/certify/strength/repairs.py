@@ -177,8 +177,8 @@ def _in_units(length: Callable[[Question], float], time: Callable[[Question], fl
 def gravity(value: float, digits: int = 4) -> Repair:
     """In units of time in which gravity is what the code seems to take it for.
 
-    Its rival is a gravity half as large again: under which a code that takes it for `value` is wrong, and one that merely
-    does better in other units (since it rounds) is right as well.
+    Its rival is a gravity half as large again: under which a code that takes it for `value` is wrong, and one that
+    merely does better in other units (since it rounds) is right as well.
     """
     return replace(_of_gravity(value, digits), rival=_of_gravity(1.5 * value, digits))
 

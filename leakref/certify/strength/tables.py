@@ -32,7 +32,8 @@ def pretty(record: Mapping[str, Any]) -> str:
 def show(record: Mapping[str, Any]) -> None:
     """Tables on standard output."""
     from rich.console import Console
-    from rich.table import Table
+
+    from leakref._tables import Table
 
     print_ = Console().print
     matrix = Table(title="Faults: effect over tolerance, by the family that kills", header_style="bold")

@@ -43,7 +43,7 @@ def _scaled_grid(given: Input) -> Output:
         "shape": grid.shape,
         "spacing": grid.spacing,
         "bin_widths": grid.bin_widths,
-        "wavenumbers": shell_wavenumbers(grid),
+        "wavenumbers": shell_wavenumbers(grid, 0.4, 3.5),
     }
 
 

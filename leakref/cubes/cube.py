@@ -1,0 +1,47 @@
+"""A cube: samples of a surface on a grid, with what is known about them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from leakref._base import FloatArray, vector
+from leakref.cubes.asked import Assumed
+from leakref.grid import Grid
+from leakref.sea import Components
+
+__all__ = ["UNITS", "Cube"]
+
+UNITS = {"si": "m/s", "scaled": "c0", "given": "the file's units of length / time"}
+"""Of a velocity, by the units a file states: SI, the paper's scaled ones (k0 = omega0 = g = 1), or nothing."""
+
+
+@dataclass(frozen=True)
+class Cube:
+    """A surface eta[x, y, t] (array, or memory-mapped) on `grid`, and what its file says about it.
+
+    `units`: "si", "scaled" or "given" (the file does not say). `components` and `current` (2,) are the truth, if the
+    file has it. `notes` say what was done to the samples on the way.
+
+    - `surface`: (nx, ny, nt), float64, or the type in the file if it is memory-mapped.
+    - `gravity`: in the same units of length and time as the grid.
+    - `peak_wavenumber`: rad per length, None if the file does not say.
+    - `components`, `current`: None without a truth; the current is along x and y, going to.
+    - `assumed`: what was taken for granted when the file was read, None for a cube that comes from no file.
+
+    A current that is not two finite numbers is refused with a LeakrefError.
+    """
+
+    surface: Any
+    grid: Grid
+    gravity: float
+    units: str = "given"
+    components: Components | None = None
+    current: FloatArray | None = None
+    peak_wavenumber: float | None = None
+    notes: tuple[str, ...] = ()
+    assumed: Assumed | None = None
+
+    def __post_init__(self) -> None:
+        if self.current is not None:
+            vector("Cube", current=self.current)
