@@ -74,7 +74,18 @@ def run(foreign, tmp_path, code, *words):
 
 
 def test_another_user_without_a_home_can_certify(foreign, tmp_path):
-    done = run(foreign, tmp_path, CODE, "certify", "fault:hard-coded-width", "--only", "signs", "--workers", "2")
+    done = run(
+        foreign,
+        tmp_path,
+        CODE,
+        "certify",
+        "fault:hard-coded-width",
+        "--only",
+        "signs",
+        "--workers",
+        "2",
+        "--no-diagnosis",
+    )  # of 125 faults, each to be compiled again
     assert done.returncode in (0, 1), done.stderr
     assert "no grade" not in done.stdout
     assert done.stderr == ""
