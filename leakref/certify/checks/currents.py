@@ -26,6 +26,7 @@ from leakref.certify.checks.inputs import BRIEF, GRIDS
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.subject.frames import Subject
 from leakref.currents import UniformCurrent
+from leakref.methods import METHODS
 
 __all__ = ["check_aligned", "check_backwards", "check_strong"]
 
@@ -87,7 +88,9 @@ def check_strong(subject: Subject, case: Case) -> Outcome:
 @check(
     "currents",
     "eq:DSVkernel",
-    WITHIN + " Least squares is left out: it takes omega >= 0 only (decision D19).",
+    WITHIN
+    + " Least squares is left out: it takes omega >= 0 only (decision D19). So may any method that the reference "
+    "does not have, of which this is not asked.",
     [
         Case(
             "opposing",
@@ -103,7 +106,8 @@ def check_strong(subject: Subject, case: Case) -> Outcome:
 def check_backwards(subject: Subject, case: Case) -> Outcome:
     """On an opposing current omega0 + k.U is negative for part of the waves: they are swept backwards, and without the
     second branch of G they are lost."""
-    return _judged(subject, case, blind_to_backward_waves())
+    unknown = tuple(method for method in subject.methods if method not in METHODS)
+    return _judged(subject, case, (*blind_to_backward_waves(), *unknown))
 
 
 @check(
