@@ -25,6 +25,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from leakref._base import FloatArray
+from leakref.cases import SHELLS
 from leakref.chain import shell_wavenumbers
 from leakref.currents import Current, ExponentialCurrent, LinearCurrent, ProfileCurrent, UniformCurrent
 from leakref.dispersion import DEEP, Scales, Water, velocity_resolutions
@@ -43,7 +44,7 @@ def _scaled_grid(given: Input) -> Output:
         "shape": grid.shape,
         "spacing": grid.spacing,
         "bin_widths": grid.bin_widths,
-        "wavenumbers": shell_wavenumbers(grid, 0.4, 3.5),
+        "wavenumbers": shell_wavenumbers(grid, *SHELLS),
     }
 
 
