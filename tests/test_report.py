@@ -168,3 +168,12 @@ def test_what_is_not_offered_is_a_line_a_family():
     assert said.count(f"{len(beyond)} questions about what it does not offer") == 1
     assert not [f.id for f in beyond if f'<span class="id">{f.id}' in said]
     assert all(said.count(f"<code>{f.id}</code>") == 1 for f in beyond)
+
+
+def test_what_was_not_tested_is_said_of_what_was_offered():
+    """Of a window other depths are no news: no velocity was looked at."""
+    whole, part = certificate(), certificate()
+    part = replace(part, declaration={**part.declaration, "can": {"window": {"names": ["hann"]}}})
+    assert "Other depths, surface tension" in page(whole)
+    assert "Other depths" not in page(part)
+    assert "Any velocity: no spectrum was searched for a current" in page(part)
