@@ -295,20 +295,32 @@ class Changed(Reference):
         return self.change(super().extract(surface, spacing, wavenumbers, **settings))
 
 
-def verdict_of(identifier: str, seed: int, code: Reference) -> str:
+def verdict_of(identifier: str, seed: int, code: Reference, *alike: str) -> str:
+    """Of a code that is taken for the reference's make of the methods `alike`; found out if none are given."""
     ((check, case),) = select([identifier])
-    return str(check(InProcess(code), replace(case, seed=seed)).verdict)
+    subject = InProcess(code)
+    subject.alike = frozenset(alike) or None
+    return str(check(subject, replace(case, seed=seed)).verdict)
 
 
 @pytest.mark.parametrize(("factor", "verdict"), [(1.0, "pass"), (1.45, "pass"), (1.55, "fail")])
 def test_where_a_method_itself_errs_half_as_much_again_is_allowed_and_no_more(factor, verdict):
     """A narrow sea in still water, in which the reference's own error is above the resolution."""
-    assert verdict_of("leakage.still[narrow]", 191, Changed("nsp", lambda c: factor * c)) == verdict
+    assert verdict_of("leakage.still[narrow]", 191, Changed("nsp", lambda c: factor * c), "nsp") == verdict
 
 
 @pytest.mark.parametrize(("factor", "verdict"), [(1.5, "pass"), (8.0, "fail")])
 def test_where_it_does_not_err_the_resolution_is_all_there_is(factor, verdict):
-    assert verdict_of("leakage.still[broad]", PUBLISHED, Changed("nsp", lambda c: factor * c)) == verdict
+    assert verdict_of("leakage.still[broad]", PUBLISHED, Changed("nsp", lambda c: factor * c), "nsp") == verdict
+
+
+@pytest.mark.parametrize(
+    ("case", "seed", "factor", "verdict"),
+    [("narrow", 191, 1.9, "pass"), ("narrow", 191, 2.1, "fail"), ("broad", 1, 8.0, "pass"), ("broad", 1, 9.5, "fail")],
+)
+def test_another_make_may_err_by_the_resolution_beside_the_reference(case, seed, factor, verdict):
+    """In narrow seas, where each make errs in its own way: here one whose errors are larger, and so not alike."""
+    assert verdict_of(f"leakage.still[{case}]", seed, Changed("nsp", lambda c: factor * c)) == verdict
 
 
 SLIPS = {
