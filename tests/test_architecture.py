@@ -189,3 +189,8 @@ def test_enough_of_the_package_says_what_it_does():
     files = [path for path in HOUSE.rglob("*.py") if "templates" not in path.parts]
     lines = sum(len(path.read_text(encoding="utf-8").splitlines()) for path in files)
     assert sum(map(explaining, files)) / lines >= 0.18
+
+
+def test_no_module_is_longer_than_one_reads_in_a_sitting():
+    long = {path.name: n for path in HOUSE.rglob("*.py") if (n := len(path.read_text("utf-8").splitlines())) > 400}
+    assert long == {}

@@ -20,7 +20,8 @@ from leakref.planning import plan
 from leakref.planning.advice import advice, ranges
 from leakref.planning.command import _title, parse_sweep
 from leakref.planning.figures import plan_figure
-from leakref.planning.plan import GRAVITY, Campaign, Expected, Flight, Plan, expected
+from leakref.planning.flight import Flight
+from leakref.planning.plan import GRAVITY, Campaign, Expected, Plan, expected
 from leakref.planning.quantities import number, quantity
 
 WAVELENGTH = 20.0

@@ -20,7 +20,8 @@ from leakref._base import LeakrefError
 from leakref._output import console, dump, envelope, folder, progress_bar, write_whole
 from leakref._tables import Table
 from leakref.planning.advice import advice
-from leakref.planning.plan import GRAVITY, Campaign, Expected, Plan, default_realizations, expected, plan, swept, work
+from leakref.planning.flight import default_realizations, work
+from leakref.planning.plan import GRAVITY, Campaign, Expected, Plan, expected, plan, swept
 from leakref.planning.quantities import number, quantity
 
 __all__ = ["PARAMETERS", "parse_sweep", "run"]
