@@ -413,3 +413,18 @@ def test_holes_are_filled_on_request_up_to_a_share(tmp_path, surface, kind, monk
     given = extract(path, *options, "--fill-holes", 0.02)
     assert_right(given)
     assert any("were missing: filled with the mean" in note for note in given["notes"])
+
+
+# --- cubes of a few samples -------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("screen", [(), ("--screen",)])
+@pytest.mark.parametrize("axis", range(3))
+@pytest.mark.parametrize("size", [1, 2, 3, 4, 5, 7, 9])
+def test_a_cube_of_a_few_samples_is_judged_or_refused_in_words(tmp_path, surface, axis, size, screen):
+    """Whatever there is too little of: a verdict or a refusal, and not a fault of leakref's own."""
+    np.save(tmp_path / "a.npy", np.take(surface, range(size), axis=axis))
+    for asked in (ASKED, ()):
+        words = ["extract", str(tmp_path / "a.npy"), *asked, *SPACING, *TANK, "--axes", "xyt", *screen]
+        done = CliRunner().invoke(app, words)
+        assert done.exit_code in (0, 1, 2), (done.exception, done.stdout)
+        assert not isinstance(done.exception, ArithmeticError | LookupError | ValueError | TypeError), done.exception
+        assert done.exit_code != 0 or size > 3  # nothing is measured in three samples

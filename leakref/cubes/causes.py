@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import permutations
-from statistics import median
 
 import numpy as np
 
@@ -93,13 +92,11 @@ def judge(
     enough = [(c or 0.0) >= CONTRAST for c in contrasts]
     if here.share >= SHARE and 2 * sum(enough) > len(enough):
         return _placed(band, here, cube)
-    typical = median([c or 0.0 for c in contrasts]) if contrasts else 0.0
     if band.is_empty:
         return Verdict(False, here.share, ("No dispersion shell: no shell holds more than noise.", _else(cube)))
-    first = (
-        f"No dispersion shell: one current brings {_percent(here)} of the energy onto the surface (waves: 30 to 90 %), "
-        f"and the energy near it is {typical:.2g} times that beside it."
-    )
+    first = f"No dispersion shell: one current brings {_percent(here)} of the energy onto the surface (waves: 30 to "
+    low = f", and at {enough.count(False)} of {len(enough)} wavenumbers less energy is near it than beside it"
+    first += f"90 %){low if False in enough else ''}."
     found = band.best(band.everywhere())
     if band.tells_the_factor and found.share >= max(1.5 * here.share, 1.5 * SHARE) and _is_water(band, found):
         return Verdict(False, here.share, (first, *_explained(band, found, cube), _else(cube)))

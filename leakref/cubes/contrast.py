@@ -159,11 +159,14 @@ class Band:
         return self.rings >= 6 and k.max(initial=0.0) >= 2 * k.min(initial=np.inf)
 
     def everywhere(self) -> list[float]:
-        """Factors, a twelfth apart, at which the surface crosses the frequencies of the spectrum in the whole band."""
+        """Factors, a twelfth apart, at which the surface crosses the frequencies of the spectrum in the whole band.
+
+        The first is 1; of a few frames there are no others.
+        """
         k = np.hypot(self.kx, self.ky)
         low = 3 * self.step / float(self.water.frequency(k.max()))
         high = self.last / float(self.water.frequency(k.min()))
-        return np.exp(np.arange(np.log(low), np.log(high), 1 / 12)).tolist()
+        return [1.0, *np.exp(np.arange(np.log(low), np.log(high), 1 / 12)).tolist()]
 
 
 def band(spectrum: Spectrum, wavenumbers: FloatArray, water: Water) -> Band:
