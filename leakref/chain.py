@@ -8,12 +8,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from leakref import leakage
+from leakref import leakage, methods
 from leakref._base import ComplexArray, FloatArray, LeakrefError, finite, levelled, positive
 from leakref.dispersion import Water, law
 from leakref.grid import Grid
-from leakref.methods import METHODS
-from leakref.methods import method as named_method
 from leakref.sea import Components
 from leakref.shell import Extraction
 from leakref.spectrum import Spectrum, fourier
@@ -27,8 +25,7 @@ def shell_wavenumbers(grid: Grid, smallest: float, largest: float) -> FloatArray
     """k_i = i dk (n,), rad per length, from `smallest` to `largest` (0.4 and 3.5 k0 in the paper: D9), one a bin."""
     positive("shell_wavenumbers", smallest=smallest, largest=largest)
     dk = grid.wavenumber_resolution
-    first, last = int(np.ceil(smallest / dk - 1e-9)), int(np.floor(largest / dk + 1e-9))
-    return np.arange(first, last + 1) * dk
+    return np.arange(np.ceil(smallest / dk - 1e-9), np.floor(largest / dk + 1e-9) + 1) * dk
 
 
 def analyse(
@@ -45,9 +42,8 @@ def analyse(
     `settings` are `half_width` and those of the method; of `peak_wavenumber` and `search`, which say how a search is
     judged, a method takes what it knows. Raises LeakrefError.
     """
-    record = named_method(method, "analyse")
-    unknown = {"peak_wavenumber", "search"} - record.settings.keys()
-    taken = {name: value for name, value in settings.items() if name not in unknown}
+    record = methods.method(method, "analyse")
+    taken = {n: v for n, v in settings.items() if n not in {"peak_wavenumber", "search"} - record.settings.keys()}
     return record.extract(spectrum, wavenumbers, water=law("analyse", gravity, water), **taken)
 
 
@@ -66,9 +62,10 @@ def extract(
     Wavenumbers in rad per length, velocities and `gravity` in the surface's own units (9.81 for metres and seconds, 1
     for scaled ones: no default). `settings` as in `analyse`, `water` for gravity among them. Raises LeakrefError.
     """
+    water = law("extract", gravity, settings.pop("water", None))
     eta = finite("extract", "surface", surface, 3)
     spectrum = fourier(levelled(eta)[0], Grid(eta.shape, spacing), window)
-    return analyse(spectrum, wavenumbers, gravity=gravity, method=method, **settings)
+    return analyse(spectrum, wavenumbers, water=water, method=method, **settings)
 
 
 def transform(
@@ -96,7 +93,7 @@ class Reference:
         from leakref import __version__
 
         windows = list(WINDOWS)
-        can = {"extract": {"methods": list(METHODS), "windows": windows, "resolves": "wavenumber"},
+        can = {"extract": {"methods": list(methods.METHODS), "windows": windows, "resolves": "wavenumber"},
                "spectrum": {"windows": windows}, "window": {"names": windows}, "synthesize": {}}  # fmt: skip
         return {"name": "leakref", "version": __version__, "units": "scaled", "axes": "xyt", "y": "up",
                 "direction": "to", "fixed": [], "can": can}  # fmt: skip

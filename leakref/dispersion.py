@@ -39,8 +39,8 @@ class Water:
 
     def __post_init__(self) -> None:
         number("Water", gravity=self.gravity, depth=self.depth, surface_tension=self.surface_tension)
-        positive("Water", gravity=self.gravity, depth=1.0 if self.depth == np.inf else self.depth)
-        positive("Water", surface_tension=self.surface_tension or 1.0)
+        depth, tension = 1.0 if self.depth == np.inf else self.depth, self.surface_tension or 1.0
+        positive("Water", gravity=self.gravity, depth=depth, surface_tension=tension)
 
     def frequency(self, wavenumber: npt.ArrayLike) -> FloatArray:
         """omega0(k) = sqrt((g k + S k^3) tanh(k h)), rad per time: sqrt(g k) in deep water."""
@@ -92,7 +92,7 @@ DEEP = Water()
 
 
 def law(call: str, gravity: float | None, water: Water | None) -> Water:
-    """The `water` that was given, or deep water of some `gravity`; LeakrefError in the name of `call` for neither."""
+    """The `water` that was given, or deep water of some `gravity`; LeakrefError for neither, or if they differ."""
     if water is None:
         if gravity is None:
             raise LeakrefError(call, "there is neither gravity nor water", "give it: 9.81 for metres and seconds")
@@ -101,6 +101,8 @@ def law(call: str, gravity: float | None, water: Water | None) -> Water:
     if isinstance(water, type) or not all(hasattr(water, name) for name in _LAW):
         remedy = "give leakref.Water(gravity, depth), or one of a class derived from it"
         raise LeakrefError(call, f"water = {water!r} is no law of dispersion", remedy)
+    if gravity not in (None, water.gravity):
+        raise LeakrefError(call, f"gravity = {gravity}, and that of water is {water.gravity}", "give the water alone")
     return water
 
 

@@ -135,7 +135,7 @@ class SeaState:
         finite("SeaState", "direction", self.direction)
         is_current("SeaState", self.current)
         positive("SeaState", spread=self.spread, peakedness=self.peakedness, length=self.length)
-        if law("SeaState", 1.0, self.water).gravity != 1:
+        if law("SeaState", None, self.water).gravity != 1:
             raise LeakrefError("SeaState", f"water = {self.water} is not in scaled units", "give Water(depth=k0 h)")
         if self.spread > 360:
             raise LeakrefError("SeaState", f"spread = {self.spread} degrees", "give a full width of at most 360")
@@ -195,6 +195,6 @@ def aligned_waves(
         raise LeakrefError("aligned_waves", f"the waves {list(bins)} are parallel", "choose two directions")
     if not k.any(axis=1).all():
         raise LeakrefError("aligned_waves", "a wave has wavenumber zero", "choose bins with i or j other than 0")
-    shift = omega - law("aligned_waves", gravity, water).frequency(np.hypot(*k.T))
+    shift = omega - law("aligned_waves", None if water is not None else gravity, water).frequency(np.hypot(*k.T))
     current = np.linalg.lstsq(k, shift, rcond=None)[0]
     return Components(k[:, 0], k[:, 1], omega, *[np.asarray(v[: len(bins)]) for v in (amplitude, phase)]), current

@@ -26,7 +26,7 @@ from leakref import (
 )
 from leakref.certify.subject.inprocess import Implementation
 from leakref.chain import Reference
-from leakref.dispersion import DEEP
+from leakref.dispersion import DEEP, Water
 from leakref.methods import METHODS
 from leakref.window import WINDOWS
 
@@ -228,7 +228,7 @@ def holding(value: float) -> np.ndarray:
             "box, hann, blackman, kaiser",
         ),
         (lambda: extract(STILL, (1, 1, 1), [1.0], method="nelder", gravity=1.0), "analyse", "'nelder'", "nsp, ls"),
-        (lambda: extract(STILL, (1, 1, 1), [1.0], gravity=0), "analyse", "gravity = 0", "> 0"),
+        (lambda: extract(STILL, (1, 1, 1), [1.0], gravity=0), "extract", "gravity = 0", "> 0"),
         (lambda: extract(STILL, (1, 1, 1), [3.0], gravity=1.0), "shell_at", "Nyquist wavenumber", "ask for k below"),
         (lambda: extract(STILL, (1, 1, 1), [0.4], half_width=0.1, gravity=1.0), "shell_at", "no bin", "widen"),
         (lambda: extract(STILL, (1, 1, 1), [], gravity=1.0), "", "empty", "at least one"),
@@ -272,8 +272,12 @@ def test_no_gravity_is_taken_for_granted(call, small_grid):
     """1 would be right in scaled units only: who has metres would get a plausible answer."""
     surface = np.zeros(small_grid.shape)
     given = (surface, small_grid.spacing) if call is extract else (fourier(surface, small_grid),)
-    with pytest.raises(LeakrefError, match=r"neither gravity nor water; .* 9\.81 for metres and seconds"):
+    with pytest.raises(LeakrefError, match=r"neither gravity nor water; .* 9\.81 for metres and seconds") as refused:
         call(*given, [1.0])
+    assert refused.value.call.endswith(call.__name__)
+    with pytest.raises(LeakrefError, match=r"gravity = 1\.0, and that of water is 9\.81; give the water alone"):
+        call(*given, [1.0], gravity=1.0, water=Water(9.81, 3.0))
+    assert np.isnan(call(*given, [1.0], gravity=9.81, water=Water(9.81, 3.0)).velocities).all()
     assert np.isnan(call(*given, [1.0], gravity=1.0).velocities).all()
     assert np.isnan(call(*given, [1.0], water=DEEP).velocities).all()
 

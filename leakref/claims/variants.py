@@ -183,8 +183,9 @@ VARIANTS: dict[str, Variant] = {v.id: v for v in (
             "and C, or 400 evaluations",
             *_simplex('"xatol": 1e-4, "fatol": 1e-4'), methods=("ls",)),
     Variant("denser-shells", "D9", "shells listed twice as densely, overlapping by 7/8",
-            _one("chain", "return np.arange(first, last + 1) * dk",
-                 "return np.arange(2 * first, 2 * last + 1) * (dk / 2)"), realizations=5),
+            _one("chain", "return np.arange(np.ceil(smallest / dk - 1e-9), np.floor(largest / dk + 1e-9) + 1) * dk",
+                 "return np.arange(2 * np.ceil(smallest / dk - 1e-9), 2 * np.floor(largest / dk + 1e-9) + 1) "
+                 "* (dk / 2)"), realizations=5),
     Variant("finer-lattice", "D10", "spacing of the waves 0.25 / L", _one("sea", "INPUT_SPACING = 0.341",
                                                                           "INPUT_SPACING = 0.25"), paired=False),
     Variant("lattice-off-origin", "D10", "origin midway between the waves' lattice points",

@@ -85,5 +85,9 @@ StartTimeout = Annotated[float | None, typer.Option(min=0.1, help="Seconds for t
 Workers = Annotated[int, typer.Option(min=0, help="Processes; 0: one for each core.")]
 track_app = typer.Typer(no_args_is_help=True, context_settings={"help_option_names": ["-h", "--help"]})
 app.add_typer(track_app, name="track", rich_help_panel=UPKEEP, help="Bias over versions: recorded, compared, drawn.")
+Target = Annotated[
+    str | None, typer.Argument(help="What is judged: package.module:object, reference, fault:ID or variant:ID.")
+]
+Program = Annotated[str | None, typer.Option("--command", help="A program in any language, with its arguments.")]
 HistoryFile = Annotated[Path, typer.Option("--history", help="JSON lines, one an entry; made if it is not there.")]
 HISTORY = Path("leakref-history.jsonl")

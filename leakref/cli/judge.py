@@ -8,19 +8,15 @@ from typing import Annotated
 
 import typer
 
-from leakref.cli.base import JUDGE, GoldenNumber, Json, StartTimeout, Timeout, Workers, command
+from leakref.cli.base import JUDGE, GoldenNumber, Json, Program, StartTimeout, Target, Timeout, Workers, command
 
 __all__ = ["certify", "compare", "explain", "guide", "scaffold", "strength"]
 
 
 @command(JUDGE)
 def certify(
-    target: Annotated[
-        str | None, typer.Argument(help="package.module:object, reference, fault:ID or variant:ID.")
-    ] = None,
-    program: Annotated[
-        str | None, typer.Option("--command", help="A program in any language, with its arguments.")
-    ] = None,
+    target: Target = None,
+    program: Program = None,
     profile: Annotated[str, typer.Option(help="quick (about a minute) or full (about ten).")] = "quick",
     only: Annotated[
         list[str] | None, typer.Option(help="A finding, check or family, or a pattern; may be repeated.")

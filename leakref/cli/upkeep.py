@@ -8,7 +8,19 @@ from typing import Annotated
 
 import typer
 
-from leakref.cli.base import HISTORY, UPKEEP, HistoryFile, Json, StartTimeout, Timeout, Workers, command, track_app
+from leakref.cli.base import (
+    HISTORY,
+    UPKEEP,
+    HistoryFile,
+    Json,
+    Program,
+    StartTimeout,
+    Target,
+    Timeout,
+    Workers,
+    command,
+    track_app,
+)
 
 __all__ = ["bench", "track_check", "track_compare", "track_null", "track_plot", "track_record"]
 
@@ -26,12 +38,8 @@ def bench(
 
 @command(None, "record", track_app)
 def track_record(
-    target: Annotated[
-        str | None, typer.Argument(help="reference, package.module:object, fault:ID or variant:ID.")
-    ] = None,
-    program: Annotated[
-        str | None, typer.Option("--command", help="A program in any language, with its arguments.")
-    ] = None,
+    target: Target = None,
+    program: Program = None,
     label: Annotated[str | None, typer.Option(help="What this version is called; default: as the target says.")] = None,
     path: HistoryFile = HISTORY,
     case: Annotated[

@@ -95,8 +95,10 @@ def judge(
     if band.is_empty:
         return Verdict(False, here.share, ("No dispersion shell: no shell holds more than noise.", _else(cube)))
     first = f"No dispersion shell: one current brings {_percent(here)} of the energy onto the surface (waves: 30 to "
-    low = f", and at {enough.count(False)} of {len(enough)} wavenumbers less energy is near it than beside it"
-    first += f"90 %){low if False in enough else ''}."
+    poor = [c for c, well in zip(contrasts, enough, strict=True) if not well]
+    what = "less energy is near it than beside it" if any(c is not None for c in poor) else "no velocity is found"
+    low = f", and at {len(poor)} of {len(enough)} wavenumbers {what}"
+    first += f"90 %){low if poor else ''}."
     found = band.best(band.everywhere())
     if band.tells_the_factor and found.share >= max(1.5 * here.share, 1.5 * SHARE) and _is_water(band, found):
         return Verdict(False, here.share, (first, *_explained(band, found, cube), _else(cube)))

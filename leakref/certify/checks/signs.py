@@ -105,7 +105,7 @@ def check_sea(subject: Subject, case: Case) -> Outcome:
     CASES,
 )
 def check_aligned(subject: Subject, case: Case) -> Outcome:
-    """Twelve waves with whole numbers of wavelengths and periods in the cube, on a current towards `direction`, in
+    """Twelve waves with whole numbers of wavelengths and periods in the cube, on a current towards what its id says, in
     degrees anticlockwise from x: a slip of sign in one component, which a sea may hide, shows here whatever the window
     does."""
     cube = inputs.many(inputs.EVEN.shape, polar(ON_BINS, case.given["direction"]))

@@ -71,7 +71,8 @@ class Cure:
         """On what it rests."""
         most = "" if self.cured == self.asked else "most of what failed: "
         again = "" if self.asked == self.failed else f", of the {self.failed} no more were asked again"
-        return f"{most}{self.cured} of {self.asked} failed questions{again}, none of {self.unharmed} others harmed"
+        harmed = f", none of {self.unharmed} others harmed" if self.unharmed else ""
+        return f"{most}{self.cured} of {self.asked} failed questions{again}{harmed}"
 
 
 @dataclass(eq=False)
