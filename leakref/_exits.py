@@ -23,7 +23,7 @@ def plugged() -> None:
     """Something to write to where a standard stream is closed: else the next file opened would take its number."""
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         if getattr(sys, name) is None:
-            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115
+            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115  # it is the stream from now on
 
 
 def say(text: str) -> None:

@@ -110,7 +110,7 @@ def grids(draw: st.DrawFn, largest: int = 14) -> Grid:
     """Small boxes for the FFT: all three sizes and spacings different more often than not, sides up to ten to one."""
     shape = tuple(draw(sizes(largest)) for _ in range(3))
     spacing = tuple(draw(st.floats(0.1, 10.0).map(lambda d: float(f"{d:.3g}"))) for _ in range(3))
-    return Grid(shape, spacing)  # type: ignore[arg-type]
+    return Grid(shape, spacing)  # type: ignore[arg-type]  # three of each
 
 
 @st.composite

@@ -130,6 +130,7 @@ QUESTIONS = {
 @pytest.mark.parametrize("name", ANSWERS)
 def test_a_mistake_in_the_answer_is_named_by_its_repair(name):
     best, remark = cured(Code(after=ANSWERS[name]))
+    assert (", none of 0" in best[0].counted, ("others harmed" in best[0].counted)) == (False, best[0].unharmed > 0)
     assert best[0].repair.id == name
     assert best[0].cured == best[0].asked == best[0].failed
     assert best[0].digits > 3

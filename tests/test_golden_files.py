@@ -85,7 +85,7 @@ def test_an_archive_that_was_changed_is_not_read(harm, copy):
     else:
         HARMS[harm](path)
     with pytest.raises((Damaged, KeyError)):
-        Golden(copy / "v1").entry("extract-cube-nsp").input  # noqa: B018
+        Golden(copy / "v1").entry("extract-cube-nsp").input  # noqa: B018  # reading it raises
 
 
 def covered_up(manifest):

@@ -10,6 +10,7 @@ import json
 import re
 import sys
 
+import av
 import h5py
 import numpy as np
 import pytest
@@ -178,7 +179,6 @@ def test_netcdf_whole_and_in_blocks(tmp_path, surface, monkeypatch, limit):
 
 
 def test_zarr(tmp_path, surface):
-    pytest.importorskip("zarr")
     assert_right(extract(as_netcdf(tmp_path / "a.zarr", surface, engine="zarr"), *TANK))
 
 
@@ -223,7 +223,6 @@ def test_tiff_of_sixteen_bits_in_a_folder_or_a_stack_and_colours(tmp_path, surfa
 
 @pytest.mark.parametrize(("suffix", "codec"), [("mp4", "mpeg4"), ("avi", "mjpeg")])
 def test_videos(tmp_path, bytes_, suffix, codec):
-    av = pytest.importorskip("av")
     path = tmp_path / f"a.{suffix}"
     with av.open(str(path), "w") as container:
         stream = container.add_stream(codec, rate=30)

@@ -151,7 +151,7 @@ def _marks(known: Known | None) -> list[pytest.MarkDecorator]:
     marks = [getattr(pytest.mark, MARK)]
     if known is not None:
         issue = f" ({known.issue})" if known.issue else ""  # strict: one that passes fails the test
-        marks.append(pytest.mark.xfail(strict=True, reason=known.reason + issue))
+        marks.append(pytest.mark.xfail(strict=True, reason=known.reason + issue))  # the reason is asked for in `known`
     return marks
 
 

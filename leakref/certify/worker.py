@@ -155,7 +155,7 @@ def _save(path: Path, found: Mapping[str, Any]) -> None:
         array = np.ma.masked_array(value)
         wide = array.astype(np.complex128 if array.dtype.kind == "c" else np.float64)
         values[name] = np.ma.filled(wide, np.nan)
-    np.savez(path, **values)  # type: ignore[arg-type]
+    np.savez(path, **values)  # type: ignore[arg-type]  # numpy says bool of all keywords
 
 
 if __name__ == "__main__":

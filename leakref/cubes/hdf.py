@@ -27,7 +27,7 @@ def netcdf_library() -> Any:
     """xarray, or a LeakrefError that says how to get it."""
     try:
         import h5netcdf  # noqa: F401  what xarray needs for it, asked for here to name what is lacking
-        import h5py  # noqa: F401
+        import h5py  # noqa: F401  # which h5netcdf needs
         import xarray
     except ModuleNotFoundError as error:
         raise LeakrefError(

@@ -311,7 +311,7 @@ class _ByLoops(_Own):
 
 
 @njit()
-def _looped(x, y, k, omega, f, weight, c, gravity, a):  # type: ignore[no-untyped-def]
+def _looped(x, y, k, omega, f, weight, c, gravity, a):  # type: ignore[no-untyped-def]  # compiled
     """The same overlap as `_Own._overlap`, in two loops."""
     overlap = total = 0.0
     for n in range(k.size):

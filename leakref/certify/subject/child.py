@@ -101,7 +101,7 @@ class Child:
         group: dict[str, Any] = (
             {"start_new_session": True}
             if os.name == "posix"
-            else {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}  # type: ignore[attr-defined]
+            else {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}  # type: ignore[attr-defined]  # Windows
         )
         return subprocess.Popen(
             list(command),

@@ -111,7 +111,7 @@ class Exchange:
 
             io.savemat(given, values, appendmat=False)
         else:
-            np.savez(given, **values)  # type: ignore[arg-type]
+            np.savez(given, **values)  # type: ignore[arg-type]  # numpy says bool of all keywords
         written = sorted(given.iterdir()) if form == "raw" else [given]
         for path in written:
             path.chmod(0o444)
