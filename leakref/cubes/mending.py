@@ -139,6 +139,11 @@ def _allowed(path: Path, holes: int, size: int, asked: Asked) -> None:
         )
 
 
+def _filled_with(mean: float, holes: int, size: int) -> str:
+    """What was put into the holes, and how many there were."""
+    return f"{holes} of {size} samples ({100 * holes / size:.2g} %) were missing: filled with the mean, {mean:.6g}"
+
+
 def _filled(path: Path, eta: Any, asked: Asked, notes: list[str]) -> Any:
     """Samples with their NaN replaced by the mean of the others, up to the share that was asked for.
 
@@ -160,9 +165,7 @@ def _filled(path: Path, eta: Any, asked: Asked, notes: list[str]) -> Any:
         return eta
     _allowed(path, holes, eta.size, asked)
     mean = float(eta[~missing].mean())
-    notes.append(
-        f"{holes} of {eta.size} samples ({100 * holes / eta.size:.2g} %) were missing: filled with the mean, {mean:.6g}"
-    )
+    notes.append(_filled_with(mean, holes, eta.size))
     return np.where(missing, mean, eta)
 
 
@@ -180,9 +183,7 @@ def _mapped_filled(path: Path, eta: Any, asked: Asked, notes: list[str]) -> Any:
         return eta
     _allowed(path, holes, eta.size, asked)
     mean = total / (eta.size - holes)
-    notes.append(
-        f"{holes} of {eta.size} samples ({100 * holes / eta.size:.2g} %) were missing: filled with the mean, {mean:.6g}"
-    )
+    notes.append(_filled_with(mean, holes, eta.size))
     return Filled(eta, mean)
 
 
