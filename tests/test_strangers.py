@@ -7,6 +7,7 @@ import ast
 import inspect
 import re
 from contextlib import nullcontext
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -189,3 +190,27 @@ def test_right_codes_are_not_rejected_under_other_seeds(name, seed, tmp_path):
 @pytest.mark.parametrize("code", [nsp.Extractor, leastsquares.Extractor])
 def test_the_extractors_without_a_mistake_conform(code):
     assert judge(code(), "right", diagnosis=False)["grade"] == "conformant"
+
+
+@pytest.mark.parametrize(
+    ("name", "seed", "question"),
+    [
+        ("welch", 8, "metamorphic.shift[untapered]"),  # segments in time
+        ("even", 11, "metamorphic.shift[untapered]"),  # the last of an odd number of frames left out
+        ("cylinder-called-nsp", 209, "leakage.still[sharp]"),  # another make, in a sea in which the reference errs too
+        ("cylinder-called-nsp", 651, "leakage.still[sharp]"),
+        ("cylinder-called-nsp", 703, "leakage.still[sharp]"),
+        ("ls-slices", 292, "leakage.still[sharp]"),  # slices of a few periods
+        ("huber", 290, "currents.backwards[opposing]"),  # omega >= 0 only (D19)
+        ("huber-unnamed", 848, "currents.backwards[opposing]"),
+    ],
+)
+def test_choices_that_some_seeds_held_against_right_codes_do_not_reject_them(name, seed, question):
+    ((check, case),) = select([question])
+    finding = check(InProcess(RIGHT[name]()), replace(case, seed=seed))
+    assert finding.verdict in (Verdict.PASS, Verdict.UNSUPPORTED), finding.message
+
+
+def test_a_shift_still_shows_the_real_part_taken_for_the_magnitude():
+    ((check, case),) = select(["metamorphic.shift[untapered]"])
+    assert check(InProcess(MISTAKES["nsp-real-part"].plant().Extractor()), case).over > 1.5
