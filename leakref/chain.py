@@ -96,7 +96,8 @@ class Reference:
         can = {"extract": {"methods": list(methods.METHODS), "windows": windows, "resolves": "wavenumber"},
                "spectrum": {"windows": windows}, "window": {"names": windows}, "synthesize": {}}  # fmt: skip
         return {"name": "leakref", "version": __version__, "units": "scaled", "axes": "xyt", "y": "up",
-                "direction": "to", "fixed": [], "can": can}  # fmt: skip
+                "direction": "to", "fixed": [], "water": {"depth": "given", "surface_tension": "given"},
+                "can": can}  # fmt: skip
 
     def window(self, name: str, size: int) -> FloatArray:
         """Samples of a window, (size,)."""
@@ -113,18 +114,12 @@ class Reference:
         eta = finite("spectrum", "surface", surface, 3)
         return fourier(eta, Grid(eta.shape, spacing), window).whole()
 
-    def extract(
-        self,
-        surface: FloatArray,
-        spacing: tuple[float, float, float],
-        wavenumbers: FloatArray,
-        *,
-        gravity: float = 1.0,
-        window: str = "hann",
-        method: str = "nsp",
-    ) -> FloatArray:
+    def extract(self, surface: FloatArray, spacing: tuple[float, float, float], wavenumbers: FloatArray, *,
+                gravity: float = 1.0, depth: float = np.inf, surface_tension: float = 0.0,
+                window: str = "hann", method: str = "nsp") -> FloatArray:  # fmt: skip
         """Velocities, (n, 2), NaN where there is none."""
-        return extract(surface, spacing, wavenumbers, gravity=gravity, window=window, method=method).velocities
+        water = Water(gravity, depth, surface_tension)
+        return extract(surface, spacing, wavenumbers, water=water, window=window, method=method).velocities
 
 
 reference = Reference()

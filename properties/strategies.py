@@ -7,7 +7,7 @@ the range where a sound code must be right; each strategy says which margins tha
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib import import_module
 from pkgutil import walk_packages
 from typing import Any
@@ -58,7 +58,7 @@ PROFILES = {"ci": (settings(derandomize=True, **_COMMON), 1), "thorough": (setti
 class Drawn(Cube):
     """A cube that says in a line how it was made."""
 
-    words: str
+    words: str = field(kw_only=True)
 
     def __repr__(self) -> str:
         return self.words
@@ -168,7 +168,7 @@ def _aligned(
         grid,
         np.array([k]),
         UniformCurrent((float(u), float(v))),
-        f"aligned_waves({grid}, {bins}, amplitude={amplitude}, phase={phase}) at {k:.6g}",
+        words=f"aligned_waves({grid}, {bins}, amplitude={amplitude}, phase={phase}) at {k:.6g}",
     )
 
 
@@ -227,5 +227,5 @@ def seas(draw: st.DrawFn, *, shells: int = 2, narrowest: float = 90.0, fastest: 
         grid,
         np.sort(k),
         state.current,
-        f"{state}.components({n}) on {grid} at {np.sort(k).tolist()}",
+        words=f"{state}.components({n}) on {grid} at {np.sort(k).tolist()}",
     )

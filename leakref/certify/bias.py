@@ -206,7 +206,8 @@ def bias(
         for scale in scales:
             pairs = []
             for number in range(realizations):
-                pairs.append(_errors(subject, sea.cube(number), window, method, scale))
+                with inputs.in_water(subject.still(scale)):
+                    pairs.append(_errors(subject, sea.cube(number), window, method, scale))
                 after_each()
             answered = [pair for pair in pairs if pair is not None]
             if len(answered) >= 2:

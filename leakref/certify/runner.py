@@ -84,8 +84,6 @@ def certify(
         )
     start = perf_counter()
     waiting: SimpleQueue[int] = SimpleQueue()
-    for number in range(len(checks)):
-        waiting.put(number)
     found: dict[int, Finding] = {}
     ended = Event()  # what a session that was ended says of the code is no finding
 
@@ -97,6 +95,10 @@ def certify(
                 after_each(finding)
 
     opened: list[Subject] = []
+
+    def asked(subject: Subject) -> list[int]:
+        """Of the checks. What a code that knows one water only is not asked does not stand on its certificate."""
+        return [n for n, (check, _) in enumerate(checks) if check.family != "depth" or subject.told]
 
     def open_and_work(session: AbstractContextManager[Subject]) -> None:
         with session as subject:
@@ -122,13 +124,15 @@ def certify(
             fastest=max(one.fastest for one in opened),
             handled=sum(one.handled for one in opened),
             cut_short=cut_short,
-            unasked=len(checks) - len(found),
+            unasked=len(asked(subject)) - len(found),
         )
 
     first, *others = subjects
     try:
         with first as subject, ThreadPoolExecutor(max(1, len(others))) as threads:
             opened.append(subject)
+            for number in asked(subject):
+                waiting.put(number)
             try:
                 beside = [threads.submit(open_and_work, session) for session in others]
                 work(subject)
@@ -143,7 +147,8 @@ def certify(
     except KeyboardInterrupt:
         if not opened:
             raise
-        raise CutShort(made(f"interrupted after {len(found)} of {len(checks)} questions")) from None
+        left = f"interrupted after {len(found)} of {len(asked(opened[0]))} questions"
+        raise CutShort(made(left)) from None
     return made()
 
 

@@ -22,7 +22,7 @@ from leakref.certify.checks.registry import CHECKS, Case, Check, Outcome, check
 from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Unanswered, Verdict
 from leakref.currents import UniformCurrent
-from leakref.dispersion import Scales
+from leakref.dispersion import Scales, Water
 from leakref.golden.sets import Entry, Golden, agreed_digits, locate
 from leakref.grid import Grid
 from leakref.sea import Components
@@ -141,11 +141,11 @@ def _velocities(
 ) -> Outcome:
     """Compare with `golden` (n, 2), NaN where there is no number; `allowed` (n, 1) is its tolerance."""
     numbers = np.asarray(np.isfinite(golden).all(axis=1))
-    found, there = as_array(subject, surface, cube.spacing, cube.wavenumbers, window, method, numbers)
+    found, there = as_array(subject, surface, cube.spacing, cube.wavenumbers, window, method, numbers, cube.water)
     known = there & numbers
     over = np.full(known.size, np.nan)
     if known.any():
-        part = Cube(cube.components, cube.grid, cube.wavenumbers[known], cube.current)
+        part = replace(cube, wavenumbers=cube.wavenumbers[known])
         over[known] = _scored(part, window, method, found[known], golden[known])
     outcome = verdict(over, cube, found, golden)
     off = np.abs(found - golden)[known]
@@ -163,7 +163,8 @@ def check_extract(subject: Subject, case: Case) -> Outcome:
     grid = Grid(tuple(given["shape"]), (dx, dy, dt / scales.time))
     waves = _waves(entry)
     scaled = Components(waves.kx, waves.ky, waves.omega / scales.frequency, waves.amplitude, waves.phase)
-    cube = Cube(scaled, grid, np.asarray(given["wavenumbers"]), UniformCurrent())
+    water = Water(given["gravity"], given.get("depth", np.inf), given.get("surface_tension", 0.0)).to_scaled(scales)
+    cube = Cube(scaled, grid, np.asarray(given["wavenumbers"]), UniformCurrent(), water)
     surface = np.asarray(given["surface"]) if "surface" in given else cube.surface
     return _velocities(
         subject,

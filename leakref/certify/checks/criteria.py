@@ -14,6 +14,7 @@ from leakref.certify.checks.inputs import Cube
 from leakref.certify.checks.registry import Outcome
 from leakref.certify.subject.frames import Subject, Velocities
 from leakref.certify.verdict import Unanswered, Verdict
+from leakref.dispersion import Water
 from leakref.methods import METHODS
 from leakref.nsp import WIDTH
 from leakref.shell import Extraction, shell_at
@@ -120,7 +121,15 @@ def each_method(subject: Subject, judge: Callable[[str], Outcome], without: tupl
 
 def ask(subject: Subject, cube: Cube, window: str, method: str) -> tuple[FloatArray, npt.NDArray[np.bool_]]:
     """Velocities (n, 2) of a cube at its wavenumbers, and which of them were answered (n,)."""
-    found = subject.extract(cube.surface, cube.spacing, cube.wavenumbers, window=window, method=method)
+    found = subject.extract(
+        cube.surface,
+        cube.spacing,
+        cube.wavenumbers,
+        window=window,
+        method=method,
+        scale=cube.scale,
+        water=cube.water,
+    )
     subject.fastest = max(subject.fastest, float(np.hypot(*cube.truth.T).max()))
     return found.values, answered(subject, found)
 
@@ -144,6 +153,7 @@ def as_array(
     window: str,
     method: str,
     needed: npt.NDArray[np.bool_] | None = None,
+    water: Water | None = None,
 ) -> tuple[FloatArray, npt.NDArray[np.bool_]]:
     """As `ask`, but of a surface [x, y, t] taken as an array: an implementation with y downwards sees the same one.
 
@@ -151,7 +161,7 @@ def as_array(
     those that are not `needed` (n,).
     """
     turn = -1 if subject.declaration.y == "down" else 1
-    found = subject.extract(surface[:, ::turn], spacing, wavenumbers, window=window, method=method)
+    found = subject.extract(surface[:, ::turn], spacing, wavenumbers, window=window, method=method, water=water)
     return found.values * [1, turn], answered(subject, found, needed)
 
 
@@ -248,9 +258,9 @@ def in_the_mean(subject: Subject, cube: Cube, window: str, method: str, *, besid
 def expected(cube: Cube, window: str, method: str) -> Extraction:
     """The reference's answer. A window or method that it does not know stands for Hann and the NSP."""
     window, method = window if window in WINDOWS else "hann", method if method in METHODS else "nsp"
-    return fast.realize(cube.components, cube.grid, cube.wavenumbers, windows=(window,), methods=(method,))[
-        window, method
-    ]
+    return fast.realize(
+        cube.components, cube.grid, cube.wavenumbers, windows=(window,), methods=(method,), water=cube.water
+    )[window, method]
 
 
 def unflagged(cube: Cube, window: str, method: str) -> npt.NDArray[np.bool_]:
@@ -268,5 +278,5 @@ def score(cube: Cube, window: str, wavenumber: float, velocity: FloatArray, meth
     """What a method maximises, N of eq:normSp for the NSP, at a velocity (2,), as the reference sees the cube."""
     maximised = METHODS[method].score
     assert maximised is not None
-    shell = shell_at(spectrum_of(cube, window), wavenumber)
+    shell = shell_at(spectrum_of(cube, window), wavenumber, water=cube.water)
     return maximised(shell, velocity, WIDTH * cube.grid.frequency_resolution)

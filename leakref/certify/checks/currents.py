@@ -26,6 +26,7 @@ from leakref.certify.checks.inputs import BRIEF, GRIDS
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.subject.frames import Subject
 from leakref.currents import UniformCurrent
+from leakref.dispersion import DEEP
 from leakref.methods import METHODS
 
 __all__ = ["check_aligned", "check_backwards", "check_strong"]
@@ -49,10 +50,12 @@ def _median(over: FloatArray) -> FloatArray:
 
 def _judged(subject: Subject, case: Case, without: tuple[str, ...] = ()) -> Outcome:
     given = case.given
+    slower = float(inputs.still().phase_velocity(1.5) / DEEP.phase_velocity(1.5))  # than in deep water
+    u, v = given["current"]
     cube = inputs.sea(
         given["direction"],
         given.get("spread", 180.0),
-        UniformCurrent(given["current"]),
+        UniformCurrent((slower * u, slower * v)),
         grid=BRIEF,
         wavenumbers=given.get("wavenumbers", (1.3, 1.6, 1.9, 2.2)),
     )

@@ -13,12 +13,14 @@ from dataclasses import replace
 import numpy as np
 
 from leakref._base import FloatArray
+from leakref.certify.checks import inputs
 from leakref.certify.checks.criteria import ask, expected, score, spectrum_of, tapered, verdict
 from leakref.certify.checks.identity import identify
 from leakref.certify.checks.inputs import Cube
 from leakref.certify.checks.registry import Outcome
 from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Unanswered, Verdict
+from leakref.dispersion import DEEP
 from leakref.grid import Grid
 from leakref.methods import METHODS
 from leakref.nsp import WIDTH, score_range
@@ -38,6 +40,7 @@ __all__ = [
     "aligned_window",
     "answers",
     "as_good",
+    "deep_only",
     "exactly",
     "exactly_in_words",
     "held_to_digits",
@@ -100,6 +103,12 @@ def aligned_window(subject: Subject) -> str:
     return "box" if "box" in subject.declaration.windows else tapered(subject)
 
 
+def deep_only() -> None:
+    """Raises Unanswered in other water than deep: there, waves of two lengths are not on bins of one cube."""
+    if inputs.still() != DEEP:
+        raise Unanswered(Verdict.UNSUPPORTED, "knows one water only, and this holds in deep water")
+
+
 def answers(cube: Cube, window: str, method: str) -> list[FloatArray]:
     """What is right, (n, 2) each: untapered the current, tapered what the methods of the reference find. Of a method
     that it does not have either will do.
@@ -150,7 +159,7 @@ def as_good(
     if method in METHODS and METHODS[method].score:
         a = WIDTH * cube.grid.frequency_resolution
         for n in np.flatnonzero(over > 1):
-            shell = shell_at(spectrum_of(cube, window), float(cube.wavenumbers[n]))
+            shell = shell_at(spectrum_of(cube, window), float(cube.wavenumbers[n]), water=cube.water)
             if not np.hypot(*found[n]) <= score_range(shell, a, 1.0):
                 continue
             best, own = (score(cube, window, float(cube.wavenumbers[n]), c[n], method) for c in (should, found))

@@ -42,9 +42,11 @@ def identify(subject: Subject) -> frozenset[str]:
     window = next((name for name in ("hann", *d.windows) if name in d.windows and name in WINDOWS), None)
     if window is None:
         return subject.alike
-    with inputs.asked(square="dy" in d.untold, seed=PUBLISHED):
+    with inputs.asked(square="dy" in d.untold, seed=PUBLISHED, water=subject.still()):
         cube = inputs.sea(40.0, 180.0, UniformCurrent(inputs.polar(0.2, 75.0)), realization=3)
-        answers = fast.realize(cube.components, cube.grid, cube.wavenumbers, windows=(window,), methods=tuple(METHODS))
+        answers = fast.realize(
+            cube.components, cube.grid, cube.wavenumbers, windows=(window,), methods=tuple(METHODS), water=cube.water
+        )
         for own in named or (OWN,):
             try:
                 found = subject.extract(

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -17,8 +17,8 @@ import numpy as np
 
 from leakref._base import FloatArray
 from leakref.certify.checks.draw import asked_seed, drawing
-from leakref.currents import Current, UniformCurrent
-from leakref.dispersion import DEEP, velocity_resolutions
+from leakref.currents import Current, UniformCurrent, shift_in
+from leakref.dispersion import DEEP, Water, velocity_resolutions
 from leakref.grid import Grid
 from leakref.sea import Components, SeaState, aligned_waves
 from leakref.synthesis import synthesize
@@ -36,6 +36,7 @@ __all__ = [
     "Cube",
     "asked",
     "drawn",
+    "in_water",
     "many",
     "on_bins",
     "pair",
@@ -43,6 +44,7 @@ __all__ = [
     "ring",
     "sampling",
     "sea",
+    "still",
     "together",
     "waves",
 ]
@@ -63,20 +65,36 @@ _PHASES = (0.3, 1.9)  # of a pair
 
 
 _SQUARE: ContextVar[bool] = ContextVar("square", default=False)
+_STILL: ContextVar[Water] = ContextVar("still", default=DEEP)
 
 
 @contextmanager
-def asked(*, square: bool, seed: int) -> Iterator[None]:
-    """Within it the questions are those of a seed; cubes have square pixels, for a code that knows no others, or not.
-
-    Other threads go on with theirs.
+def asked(*, square: bool, seed: int, water: Water = DEEP) -> Iterator[None]:
+    """Within it the questions are those of a seed; cubes have square pixels, for a code that knows no others, or not;
+    waves are those of a `water`, in scaled units. Other threads go on with theirs.
     """
     tokens = _SQUARE.set(square), asked_seed.set(seed)
     try:
-        yield
+        with in_water(water):
+            yield
     finally:
         _SQUARE.reset(tokens[0])
         asked_seed.reset(tokens[1])
+
+
+@contextmanager
+def in_water(water: Water) -> Iterator[None]:
+    """Within it cubes are made of waves of that water, in scaled units."""
+    token = _STILL.set(water)
+    try:
+        yield
+    finally:
+        _STILL.reset(token)
+
+
+def still() -> Water:
+    """The water of the cubes that are made now, in scaled units."""
+    return _STILL.get()
 
 
 def sampling(grid: Grid) -> Grid:
@@ -96,6 +114,8 @@ def drawn(grid: Grid) -> Grid:
 class Cube:
     """A surface and what is known of it, in scaled units: its waves and current, and `wavenumbers` (n,) to ask for.
 
+    `water` is the one it is made in, that of the question where it is not given; it is shown at `scale` times the usual
+    peak wavenumber.
     Two that show the same waves on the same grid, asked for the same wavenumbers, are equal: a search for a cure puts
     the same questions again and again, and what is right of them is worked out once.
     """
@@ -104,12 +124,14 @@ class Cube:
     grid: Grid
     wavenumbers: FloatArray
     current: Current
+    water: Water = field(default_factory=still)
+    scale: float = 1.0
 
     @cached_property
     def _shown(self) -> tuple[object, ...]:
         waves = self.components
         arrays = (waves.kx, waves.ky, waves.omega, waves.amplitude, waves.phase, self.wavenumbers)
-        return (self.grid, *(np.asarray(array, dtype=np.float64).tobytes() for array in arrays))
+        return (self.grid, self.water, *(np.asarray(array, dtype=np.float64).tobytes() for array in arrays))
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Cube) and self._shown == other._shown
@@ -132,15 +154,13 @@ class Cube:
     @property
     def truth(self) -> FloatArray:
         """The Doppler shift velocity of the current at each wavenumber, (n, 2) (eq:SJ)."""
-        return self.current.doppler_shift_velocity(self.wavenumbers)
+        return shift_in("truth", self.current, self.wavenumbers, self.water)
 
     @property
     def resolutions(self) -> FloatArray:
         """The smaller and the larger of the two of eq:dcdwk at each wavenumber, (2, n)."""
-        return np.sort(
-            velocity_resolutions(self.wavenumbers, self.grid.wavenumber_resolution, self.grid.frequency_resolution),
-            axis=0,
-        )
+        bins = self.grid.wavenumber_resolution, self.grid.frequency_resolution
+        return np.sort(velocity_resolutions(self.wavenumbers, *bins, self.water), axis=0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,8 +170,8 @@ class ByShell:
     wavenumbers: FloatArray
     velocities: FloatArray
 
-    def doppler_shift_velocity(self, wavenumber: FloatArray) -> FloatArray:
-        """(m, 2): the velocity of the nearest of the wavenumbers."""
+    def doppler_shift_velocity(self, wavenumber: FloatArray, water: Water = DEEP) -> FloatArray:
+        """(m, 2): the velocity of the nearest of the wavenumbers, whatever the water."""
         return self.velocities[np.abs(np.asarray(wavenumber)[:, None] - self.wavenumbers).argmin(axis=1)]
 
 
@@ -180,6 +200,7 @@ def sea(
         peakedness,
         drawn(grid),
         wavenumbers,
+        still(),
     )
 
 
@@ -192,8 +213,9 @@ def _sea(
     peakedness: float,
     grid: Grid,
     wavenumbers: tuple[float, ...],
+    water: Water,
 ) -> Cube:
-    state = SeaState(direction, spread, peakedness, float(min(grid.lengths[:2])) / (2 * np.pi), current)
+    state = SeaState(direction, spread, peakedness, float(min(grid.lengths[:2])) / (2 * np.pi), current, water)
     return Cube(state.components(realization), grid, np.array(wavenumbers), current)
 
 
@@ -204,17 +226,22 @@ def pair(grid: Grid, first: tuple[int, int], second: tuple[int, int], near: tupl
     """
     draw = drawing()
     one, two = draw.bins(first, second)
-    return _pair(sampling(grid), one, two, draw.near(near), tuple(draw.phases(np.array(_PHASES)).tolist()))
+    return _pair(sampling(grid), one, two, draw.near(near), tuple(draw.phases(np.array(_PHASES)).tolist()), still())
 
 
 @lru_cache(maxsize=64)
 def _pair(
-    grid: Grid, first: tuple[int, int], second: tuple[int, int], near: tuple[float, float], phase: tuple[float, float]
+    grid: Grid,
+    first: tuple[int, int],
+    second: tuple[int, int],
+    near: tuple[float, float],
+    phase: tuple[float, float],
+    water: Water,
 ) -> Cube:
     k = np.array([first, second]) * grid.bin_widths[:2]
     size = np.hypot(*k.T)
-    m = np.rint((DEEP.frequency(size) + k @ np.asarray(near)) / grid.frequency_resolution).astype(int)
-    components, current = aligned_waves(grid, [(*first, int(m[0])), (*second, int(m[1]))], phase=phase)
+    m = np.rint((water.frequency(size) + k @ np.asarray(near)) / grid.frequency_resolution).astype(int)
+    components, current = aligned_waves(grid, [(*first, int(m[0])), (*second, int(m[1]))], phase=phase, water=water)
     return Cube(components, grid, np.array([size.mean()]), UniformCurrent((float(current[0]), float(current[1]))))
 
 
@@ -233,8 +260,8 @@ def waves(
     draw = drawing()
     current, grid, (kx, ky) = draw.current(current), sampling(grid), draw.turn @ np.stack([kx, ky])
     size = np.hypot(kx, ky)
-    shift = current.doppler_shift_velocity(size)
-    omega = DEEP.frequency(size) + kx * shift[:, 0] + ky * shift[:, 1]
+    shift = shift_in("waves", current, size, still())
+    omega = still().frequency(size) + kx * shift[:, 0] + ky * shift[:, 1]
     phase = draw.phases(2 * np.pi * (np.arange(kx.size) * np.sqrt(5.0) % 1))
     return Cube(
         Components(kx, ky, omega, np.broadcast_to(amplitude, kx.shape), phase), grid, np.array(wavenumbers), current
@@ -255,7 +282,9 @@ def on_bins(
     kx, ky = np.asarray(bins, dtype=np.float64).T * np.array(grid.bin_widths[:2])[:, None]
     size = np.hypot(kx, ky)
     velocities = current.doppler_shift_velocity(size) if velocities is None else velocities
-    bin_ = np.rint((DEEP.frequency(size) + kx * velocities[:, 0] + ky * velocities[:, 1]) / grid.frequency_resolution)
+    bin_ = np.rint(
+        (still().frequency(size) + kx * velocities[:, 0] + ky * velocities[:, 1]) / grid.frequency_resolution
+    )
     phase = drawing().phases(2 * np.pi * (np.arange(kx.size) * np.sqrt(5.0) % 1))
     waves_ = Components(kx, ky, bin_ * grid.frequency_resolution, np.broadcast_to(amplitude, kx.shape), phase)
     return Cube(waves_, grid, wavenumbers, current)
@@ -265,7 +294,7 @@ def ring(radius: int, wavenumber: float, periods: int, shape: tuple[int, int, in
     """A grid of equal sides on which a `wavenumber` is a whole number of bins, `radius`, and its frequency in still
     water a whole number of them too, `periods`.
     """
-    side, duration = 2 * np.pi * radius / wavenumber, 2 * np.pi * periods / float(DEEP.frequency(wavenumber))
+    side, duration = 2 * np.pi * radius / wavenumber, 2 * np.pi * periods / float(still().frequency(wavenumber))
     nx, ny, nt = shape
     return (
         Grid(shape, (side / nx, side / ny, duration / nt))

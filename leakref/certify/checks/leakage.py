@@ -21,7 +21,7 @@ from leakref.certify.checks.criteria import (
     unflagged,
 )
 from leakref.certify.checks.draw import drawing
-from leakref.certify.checks.exact import EXACT_OR_SCORE, FINE, TAPERED, judge_exactly, others_in_words
+from leakref.certify.checks.exact import EXACT_OR_SCORE, FINE, TAPERED, deep_only, judge_exactly, others_in_words
 from leakref.certify.checks.inputs import SEA, Cube, polar
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.checks.statistics import excess, share
@@ -129,6 +129,7 @@ def check_flicker(subject: Subject, case: Case) -> Outcome:
 def check_aligned(subject: Subject, case: Case) -> Outcome:
     """Waves of still water that lie on bins do not leak: whatever current is found comes from the code and not from
     the window, as when the dispersion relation is taken at the shell's wavenumber for all its bins."""
+    deep_only()
     side = 2 * np.pi / 0.12
     grid = Grid((56, 60, 72), (side / 56, side / 60, 2 * np.pi * 10 / float(DEEP.frequency(0.6)) / 72))
     rings = np.array([(5, 0), (3, 4), (-4, 3), (4, -3), (20, 0), (12, 16), (16, -12), (-12, 16), (0, -20)]) * 0.12

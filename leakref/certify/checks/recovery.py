@@ -32,6 +32,7 @@ from leakref.certify.checks.exact import (
     TAPERED,
     WITHIN_A_TENTH,
     aligned_window,
+    deep_only,
     held_to_digits,
     judge_exactly,
     others_in_words,
@@ -42,7 +43,6 @@ from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Unanswered, Verdict
 from leakref.currents import UniformCurrent
-from leakref.dispersion import DEEP
 from leakref.sea import aligned_waves
 
 __all__ = [
@@ -106,8 +106,9 @@ def check_single(subject: Subject, case: Case) -> Outcome:
     ((i, j),) = draw.bins(case.given["bin"])
     k = np.array([i, j]) * grid.bin_widths[:2]
     size = float(np.hypot(*k))
-    m = round(float(DEEP.frequency(size)) / grid.frequency_resolution) + case.given["shift"]
-    waves, current = aligned_waves(grid, [(i, j, m)], phase=draw.phases(np.array([0.3])).tolist())
+    m = round(float(inputs.still().frequency(size)) / grid.frequency_resolution) + case.given["shift"]
+    phase = draw.phases(np.array([0.3])).tolist()
+    waves, current = aligned_waves(grid, [(i, j, m)], phase=phase, water=inputs.still())
     cube = inputs.Cube(waves, grid, np.array([size]), UniformCurrent((float(current[0]), float(current[1]))))
     found, _ = ask(subject, cube, window, method)
     allowed = EXACT if held_to_digits(subject, window, method) else float(cube.resolutions[0, 0])
@@ -143,6 +144,8 @@ def check_ring(subject: Subject, case: Case) -> Outcome:
     nothing to weigh, so that every algorithm is right to a few digits and what is off is off because of a length, a
     duration, a gravity or a factor. Shorter waves beside them, in the next bin, tell whether omega0 and the Doppler
     shift are taken at each bin's own wavenumber or at the shell's."""
+    if "periods" in case.given:
+        deep_only()
     grid, draw = inputs.ring(5, 1.4, case.given.get("periods", 24), (30, 33, 100)), drawing()
     step = grid.frequency_resolution / 1.4
     current = UniformCurrent(tuple((step * draw.turn @ np.array(case.given["current"])).tolist()))

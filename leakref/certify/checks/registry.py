@@ -26,6 +26,7 @@ FAMILIES = {
     "leakage": "Leakage at zero current: what is measured in still water.",
     "currents": "Strong and opposing currents, up to where omega0 + k.U is negative.",
     "shear": "Sheared currents: each wavenumber sees a depth-weighted current of its own.",
+    "depth": "Finite depth and surface tension, for codes that are told of them.",
     "scale": "Scale invariance: the same sea, larger or smaller, has the same current in units of c0.",
     "synthesis": "Energy and statistics of a synthesised surface.",
     "conformance": "Conformance to the golden values, stage by stage.",
@@ -93,7 +94,7 @@ class Check:
         subject.calls.clear()
         subject.gaps = ""
         try:
-            with inputs.asked(square="dy" in subject.declaration.untold, seed=case.seed):
+            with inputs.asked(square="dy" in subject.declaration.untold, seed=case.seed, water=subject.still()):
                 outcome = self.function(subject, case)
         except Unanswered as nothing:
             return replace(blank, verdict=nothing.verdict, message=nothing.message, calls=tuple(subject.calls))

@@ -54,7 +54,7 @@ def _another(
 @check(
     "scale",
     "sec:dimensions",
-    CLOSE,
+    CLOSE + " For a code that knows one depth only the other sea is in other water. " + IN_THE_MEAN,
     [
         Case(name + ("" if tapered else "-untapered"), {"scale": scale, "tapered": tapered}, quick=quick)
         for name, scale, quick in (
@@ -69,10 +69,18 @@ def _another(
 def check_peak(subject: Subject, case: Case) -> Outcome:
     """The same sea with waves four times shorter or sixteen times longer: a width in rad/s, a gravity, a search range
     or a threshold that was set for one sea state gives another current, and is as sure of it."""
-    window = tapered(subject) if case.given["tapered"] else untapered(subject)
-    cube = inputs.sea(70.0, 100.0, UniformCurrent(polar(0.2, -30.0)), realization=11, wavenumbers=(1.3, 1.6, 2.0, 2.5))
-
-    return each_method(subject, lambda method: _another(subject, cube, window, method, scale=case.given["scale"]))
+    window, scale = tapered(subject) if case.given["tapered"] else untapered(subject), case.given["scale"]
+    water = subject.still(scale)
+    with inputs.in_water(water):
+        cube = inputs.sea(
+            70.0, 100.0, UniformCurrent(polar(0.2, -30.0)), realization=11, wavenumbers=(1.3, 1.6, 2.0, 2.5)
+        )
+    if water == subject.still():
+        return each_method(subject, lambda method: _another(subject, cube, window, method, scale=scale))
+    if window == "box":
+        raise Unanswered(Verdict.UNSUPPORTED, "knows one water only, and untapered this holds in deep water")
+    other = replace(cube, scale=scale)
+    return each_method(subject, lambda method: in_the_mean(subject, other, window, method))
 
 
 @check(

@@ -31,9 +31,19 @@ __all__ = [
     "worst",
 ]
 
-EXACT_FOR_ALL = ("recovery.pair", "recovery.ring", "signs.aligned", "currents.aligned", "leakage.aligned")
+EXACT_FOR_ALL = (
+    "recovery.pair",
+    "recovery.ring",
+    "signs.aligned",
+    "currents.aligned",
+    "depth.aligned",
+    "depth.change",
+    "depth.ring",
+    "depth.tension",
+    "leakage.aligned",
+)
 """Checks of so few waves that other algorithms with the same mistake give the same answers."""
-TRUE = ("signs", "recovery", "currents", "shear", "leakage")
+TRUE = ("signs", "recovery", "currents", "shear", "depth", "leakage")
 """Families in which what an answer should be does not depend on the code's other answers."""
 FULL = 15.6
 """Digits of float64."""

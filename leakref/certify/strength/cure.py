@@ -34,7 +34,7 @@ from leakref.certify.verdict import Finding, Verdict
 
 __all__ = ["FAMILIES", "Cure", "Search", "cure"]
 
-FAMILIES = ("signs", "recovery", "metamorphic", "currents", "shear", "scale", "leakage")
+FAMILIES = ("signs", "recovery", "metamorphic", "currents", "shear", "scale", "depth", "leakage")
 """Of the questions that a repair must answer rightly."""
 _REMAIN = 4  # one in so many questions may go on failing, and is told
 _UNHARMED, _AT_MOST = 5, 12  # questions that passed and must pass, and those that are asked as far as it goes

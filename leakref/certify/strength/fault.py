@@ -15,6 +15,7 @@ __all__ = [
     "CALL",
     "CENTRES",
     "DEEP_ROOT",
+    "DEPTHS",
     "FOURIER",
     "HALF",
     "INTRINSIC",
@@ -25,18 +26,20 @@ __all__ = [
     "SI",
     "STAGES",
     "TAPER_SPACE",
+    "TOLD",
     "UNPOLISHED",
     "WAVES",
     "WIDE",
     "Drifting",
     "Fault",
     "Remembering",
+    "Tiling",
     "answer",
     "asked",
     "unchecked",
 ]
 
-STAGES = ("frame", "units", "synthesis", "window", "spectrum", "shell", "nsp", "ls", "behaviour")
+STAGES = ("frame", "units", "synthesis", "window", "spectrum", "shell", "water", "nsp", "ls", "behaviour")
 """Where in the chain a fault sits, in the order in which the faults are listed."""
 
 
@@ -68,9 +71,9 @@ class Drifting(Reference):
     def __init__(self) -> None:
         self.noise = np.random.default_rng(1)
 
-    def extract(self, *cube: Any, gravity: float = 1.0, window: str = "hann", method: str = "nsp") -> FloatArray:
+    def extract(self, *cube: Any, gravity: float = 1.0, **settings: Any) -> FloatArray:
         """Velocities, (n, 2), as the reference finds them, and noise of a hundredth of c0 or so."""
-        found = super().extract(*cube, gravity=gravity, window=window, method=method)
+        found = super().extract(*cube, gravity=gravity, **settings)
         return found + 1e-2 * float(np.sqrt(gravity)) * self.noise.standard_normal(found.shape)
 
 
@@ -80,17 +83,29 @@ class Remembering(Reference):
     def __init__(self) -> None:
         self.last: dict[tuple[int, ...], FloatArray] = {}
 
-    def extract(
-        self, surface: FloatArray, *rest: Any, gravity: float = 1.0, window: str = "hann", method: str = "nsp"
-    ) -> FloatArray:
+    def extract(self, surface: FloatArray, *rest: Any, **settings: Any) -> FloatArray:
         """Velocities, (n, 2), of the mean of this surface and the last one of its shape."""
         eta = np.array(surface)
         mean = (eta + self.last.get(eta.shape, eta)) / 2
         self.last[eta.shape] = eta
-        return super().extract(mean, *rest, gravity=gravity, window=window, method=method)
+        return super().extract(mean, *rest, **settings)
 
 
-CALL = "return extract(surface, spacing, wavenumbers, gravity=gravity, window=window, method=method).velocities"
+class Tiling(Reference):
+    """Takes the depth of the call before."""
+
+    def __init__(self) -> None:
+        self.depth = np.inf
+
+    def extract(self, *cube: Any, depth: float = np.inf, **settings: Any) -> FloatArray:
+        """Velocities, (n, 2), in water as deep as it was the last time."""
+        before, self.depth = self.depth, depth
+        return super().extract(*cube, depth=before, **settings)
+
+
+TOLD = "water = Water(gravity, depth, surface_tension)"
+DEPTHS = "kh, tension = k * min(self.depth, _BOTTOMLESS), k**2 * self.surface_tension / self.gravity"
+CALL = "return extract(surface, spacing, wavenumbers, water=water, window=window, method=method).velocities"
 FOURIER = "values = fft.fft2(values, axes=(0, 1), workers=threads, overwrite_x=True)"
 TAPER_SPACE = "tapered *= (wx[:, None] * wy)[:, :, None]"
 INTRINSIC = "water.frequency(k[a, b])"

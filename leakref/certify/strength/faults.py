@@ -20,6 +20,7 @@ from leakref.altered import Change, altered
 from leakref.certify.strength.fault import (
     CENTRES,
     DEEP_ROOT,
+    DEPTHS,
     FOURIER,
     HALF,
     INTRINSIC,
@@ -29,12 +30,14 @@ from leakref.certify.strength.fault import (
     SHIFTED,
     SI,
     TAPER_SPACE,
+    TOLD,
     UNPOLISHED,
     WAVES,
     WIDE,
     Drifting,
     Fault,
     Remembering,
+    Tiling,
     answer,
     asked,
     unchecked,
@@ -212,9 +215,8 @@ _SHELL = (
     Fault("root-missing", "shell", "recovery", "omega0 is g k: the square root is missing",
           (Change("dispersion", DEEP_ROOT,
                   "return self.gravity * np.asarray(wavenumber, dtype=np.float64)"),)),
-    Fault("group-velocity", "shell", "recovery", "omega0 is half as large, as if k times the group velocity",
-          (Change("dispersion", DEEP_ROOT,
-                  "return np.sqrt(self.gravity * np.asarray(wavenumber, dtype=np.float64)) / 2"),)),
+    Fault("group-velocity", "shell", "recovery", "omega0 is k times the group velocity: half as large in deep water",
+          (Change("dispersion", DEEP_ROOT, f"{DEEP_ROOT} * (self._factors(wavenumber)[1] / 2)"),)),
     Fault("depth-assumed", "shell", "recovery", "water of depth 1 is assumed instead of deep water",
           (Change("dispersion", DEEP_ROOT,
                   "return np.sqrt(self.gravity * np.asarray(wavenumber) * np.tanh(np.asarray(wavenumber)))"),)),
@@ -250,6 +252,30 @@ _SHELL = (
                   "np.where(m == 0, 0.0, np.where(2 * m == self.grid.shape[2], 0.5, 1.0))"),)),
     Fault("unweighted-half", "shell", "conformance", "omega = 0 and the Nyquist plane count twice (D5)",
           (Change("spectrum", "np.where((m == 0) | (2 * m == self.grid.shape[2]), 0.5, 1.0)", "np.ones(m.size)"),)),
+)
+_WATER = (
+    Fault("tanh-outside-root", "water", "depth", "tanh(k h) stands outside the root",
+          (Change("dispersion", "np.sqrt((1 + tension) * tanh)", "np.sqrt(1 + tension) * tanh"),)),
+    Fault("depth-ignored", "water", "depth", "the depth it is handed is not used: deep water",
+          (Change("chain", TOLD, TOLD.replace(" depth", " np.inf")),)),
+    Fault("depth-by-default", "water", "depth", "the depth it is handed is not used: a default of 1 / k0 is",
+          (Change("chain", TOLD, TOLD.replace(" depth", " 1.0")),)),
+    Fault("depth-in-cycles", "water", "depth", "k h is in cycles: the depth is divided by 2 pi",
+          (Change("dispersion", DEPTHS, DEPTHS.replace("k * min", "k / (2 * np.pi) * min")),)),
+    Fault("depth-in-feet", "water", "depth", "the depth is taken for feet",
+          (Change("chain", TOLD, TOLD.replace(" depth", " 0.3048 * depth")),)),
+    Fault("depth-negative", "water", "depth",
+          "the depth is counted negative: omega0 is the real part of an imaginary number, zero",
+          (Change("dispersion", "np.tanh(kh)", "np.maximum(np.tanh(-kh), 0.0)"),)),
+    Fault("depth-inverted", "water", "depth", "tanh(k / h) for tanh(k h)",
+          (Change("dispersion", DEPTHS, DEPTHS.replace("k * min", "k / min")),)),
+    Fault("depth-of-another-tile", "water", "depth", "the depth is that of the cube before", instead=Tiling),
+    Fault("tension-ignored", "water", "depth", "surface tension is left out",
+          (Change("chain", TOLD, TOLD.replace(" surface_tension", " 0.0")),)),
+    Fault("tension-per-density", "water", "depth", "surface tension is divided by the density once more",
+          (Change("dispersion", DEPTHS, DEPTHS.replace("k**2 *", "1e-3 * k**2 *")),)),
+    Fault("tension-k-squared", "water", "depth", "surface tension acts as k squared for k cubed",
+          (Change("dispersion", DEPTHS, DEPTHS.replace("k**2 *", "k *")),)),
 )
 _NSP = (
     Fault("missing-negative-branch", "nsp", "currents", "G lacks the branch of negative frequencies",
@@ -349,7 +375,7 @@ _BEHAVIOUR = (
           (answer("np.round(FOUND, 1)"),)),
 )
 FAULTS: dict[str, Fault] = {fault.id: replace(fault, killing_input=KILLING_INPUT_OF.get(fault.id, "")) for fault in (
-    *_FRAME, *_UNITS, *_SYNTHESIS, *_WINDOW, *_SPECTRUM, *_SHELL, *_NSP, *_LS, *_BEHAVIOUR)}
+    *_FRAME, *_UNITS, *_SYNTHESIS, *_WINDOW, *_SPECTRUM, *_SHELL, *_WATER, *_NSP, *_LS, *_BEHAVIOUR)}
 """Every fault by id, stage by stage."""
 
 

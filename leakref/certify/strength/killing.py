@@ -17,6 +17,11 @@ _FAULTS_BY_FINDING = {
         "solve-sign-slip solve-off-diagonal solve-factor-two ls-wrong-branch ls-both-halves rounded-answer "
         "always-hann"
     ),
+    "depth.aligned[0.7]": (
+        "tanh-outside-root depth-ignored depth-by-default depth-in-cycles depth-in-feet depth-negative depth-inverted "
+        "depth-of-another-tile"
+    ),
+    "depth.tension[aligned]": "tension-ignored tension-per-density tension-k-squared",
     "recovery.two-shells[even]": (
         "frame-rate rectified root-missing sum-for-length disc-for-shell mean-over-band reversed-wavenumbers "
         "frames-out-of-order width-short exchanged-counts shift-off-by-one-even linspace-for-fftfreq depth-of-half "

@@ -11,13 +11,14 @@ stands here a second time, and a repair that is right for one kind of question a
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from hashlib import sha256
 from typing import Any
 
 import numpy as np
 
 from leakref._base import FloatArray
+from leakref.certify.subject.declaration import WATER
 from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Unanswered, Verdict
 
@@ -31,7 +32,7 @@ class Spent(Exception):
 @dataclass(frozen=True, eq=False)
 class Question:
     """What `extract` is handed: `eta` [x, y, t] with y as the code counts it, `steps` dx, dy, dt, the length of each
-    axis in samples, gravity, wavenumbers (n,) and the window that is asked for."""
+    axis in samples, gravity, wavenumbers (n,), the window that is asked for, and what it is told of the `water`."""
 
     eta: FloatArray
     steps: tuple[float, float, float]
@@ -39,6 +40,7 @@ class Question:
     gravity: float
     wavenumbers: FloatArray
     window: str
+    water: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def bin(self) -> float:
@@ -164,12 +166,14 @@ class Repaired(Subject):
         eta = self.unframed(arrays["eta"])
         asked = np.asarray(parameters["wavenumbers"], dtype=np.float64)
         steps = (parameters["dx"], parameters["dy"], parameters["dt"])
-        question = Question(eta, steps, eta.shape, parameters["gravity"], asked, parameters["window"])
+        water = {name: parameters[name] for name in WATER if name in parameters}
+        question = Question(eta, steps, eta.shape, parameters["gravity"], asked, parameters["window"], water)
         handed = repair.change(question)
         cube = handed.eta.transpose(["xyt".index(axis) for axis in order])
         given = {name: np.arange(n) * d for name, n, d in zip("xyt", handed.sizes, handed.steps, strict=True)}
         dx, dy, dt = map(float, handed.steps)
         said = {**parameters, "dx": dx, "dy": dy, "dt": dt, "gravity": float(handed.gravity), "window": handed.window}
+        said |= handed.water
         each = [handed.wavenumbers] if not repair.alone else np.split(handed.wavenumbers, asked.size)
         answers = [
             _parsed(self.memory.asked({"eta": cube, **given}, {**said, "wavenumbers": k.tolist()})) for k in each

@@ -139,7 +139,7 @@ _OTHERS = (
     Repair("multiplied-by-wavenumber", "its velocities are multiplied by the wavenumber",
            back=lambda v, q: v * _at(q, v)),
     Repair("unit:phase-speeds", "its velocities are multiplied by the phase speed of the waves, in whose unit they are",
-           back=lambda v, q: v * Water(q.gravity).phase_velocity(_at(q, v))),
+           back=lambda v, q: v * Water(q.gravity, **q.water).phase_velocity(_at(q, v))),
     Repair("polar", f"{_READ}, in radians from x", back=_polar(lambda a: a)),
     Repair("polar-degrees", f"{_READ}, in degrees from x", back=_polar(np.radians)),
     Repair("compass", f"{_READ}, in degrees clockwise from y", back=_polar(lambda a: np.pi / 2 - np.radians(a))),
@@ -169,7 +169,9 @@ def _in_units(length: Callable[[Question], float], time: Callable[[Question], fl
     def change(q: Question) -> Question:
         b, a = length(q), time(q)
         handed = _stepped(q, b, b, a)
-        return replace(handed, eta=q.eta * b, gravity=q.gravity * b / a**2, wavenumbers=q.wavenumbers / b)
+        units = {"depth": b, "surface_tension": b**3 / a**2}
+        water = {name: value * units[name] for name, value in q.water.items()}
+        return replace(handed, eta=q.eta * b, gravity=q.gravity * b / a**2, wavenumbers=q.wavenumbers / b, water=water)
 
     return {"change": change, "back": lambda v, q: v * (time(q) / length(q)), "at": length, **more}
 
@@ -288,6 +290,10 @@ def _froude(scale: float) -> dict[str, Any]:
     return _in_units(lambda q: smaller.length, lambda q: smaller.time)
 
 
+def _deeper(q: Question, by: float) -> Question:
+    return replace(q, water={n: v * by if n == "depth" else v for n, v in q.water.items()})
+
+
 _TAU = 2 * np.pi
 _PARAMETERS = (
     Repair("wavenumbers-cycles", "wavenumbers are multiplied by 2 pi: it divides them", partial(_times, by=_TAU)),
@@ -315,6 +321,11 @@ _PARAMETERS = (
     Repair("frame-rate", "1 / dt is given for dt", lambda q: _stepped(q, t=q.steps[2] ** -2)),
     Repair("exchanged-spacing", "dx and dy are exchanged", lambda q: _stepped(q, q.steps[1] / q.steps[0],
                                                                               q.steps[0] / q.steps[1])),
+    *(Repair(name, f"depth is {said}", partial(_deeper, by=by)) for name, said, by in (
+        ("depth-feet", "given in feet: it multiplies it by 0.3048", 1 / 0.3048),
+        ("depth-metres-as-feet", "multiplied by 0.3048: it makes feet of it", 0.3048),
+        ("depth-cycles", "multiplied by 2 pi: it divides it", _TAU), ("depth-halved", "doubled: it halves it", 2.0),
+        ("depth-times-two-pi", "divided by 2 pi: it multiplies it", 1 / _TAU))),
     Repair("unit-time-step", "times are in frames, so that dt is 1",
            **_in_units(lambda q: 1.0, lambda q: 1 / q.steps[2])),
     Repair("unit-dx", "lengths are in pixels, so that dx is 1",

@@ -74,7 +74,7 @@ def question(
 
     `alike` are methods of the reference as which the code answers a broad sea; None finds out for each fault.
     """
-    said = {name: declared.get(name) for name in ("can", "fixed", "y", "cube")}
+    said = {name: declared.get(name) for name in ("can", "fixed", "y", "cube", "units", "water")}
     return dumps({**said, "methods": methods, "seed": seed, "golden": golden, "alike": alike}, default=list)
 
 
@@ -129,7 +129,9 @@ def _replayed(identifier: str, names: Names, asked: str) -> tuple[Finding, tuple
     given = loads(asked)
     ((check, case),) = select([identifier], seed=given["seed"], golden=given["golden"])
     subject = InProcess(implementation(names))
-    own, theirs = subject.declaration, Declaration(can=given["can"])
+    own = subject.declaration
+    theirs = Declaration(can=given["can"], units=given["units"] or own.units, water=given["water"] or {})
+    subject.asked_as = theirs
     offered = {"methods": given["methods"], "windows": list(theirs.windows) if theirs.tapers else []}
     subject.declaration = replace(
         own,

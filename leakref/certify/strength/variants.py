@@ -21,6 +21,7 @@ from leakref._caches import njit
 from leakref.altered import Change, altered
 from leakref.certify.subject.named import Named
 from leakref.chain import Reference, reference
+from leakref.dispersion import Water
 from leakref.sea import Components
 from leakref.shell import Note
 
@@ -144,12 +145,13 @@ class _Declining(Reference):
         wavenumbers: FloatArray,
         *,
         gravity: float = 1.0,
-        window: str = "hann",
-        method: str = "nsp",
+        depth: float = np.inf,
+        surface_tension: float = 0.0,
+        **settings: Any,
     ) -> Any:
         from leakref.chain import extract
 
-        found = extract(surface, spacing, wavenumbers, gravity=gravity, window=window, method=method)
+        found = extract(surface, spacing, wavenumbers, water=Water(gravity, depth, surface_tension), **settings)
         bad = np.array(
             [bool(note & (Note.ANOTHER_BASIN | Note.LEAKAGE_FLOOR | Note.UNCONVERGED)) for note in found.notes]
         ) & (len(found.notes) > 1)

@@ -11,9 +11,22 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from leakref.certify.verdict import Unanswered, Verdict, printable
+import numpy as np
 
-__all__ = ["STAGES", "Declaration"]
+from leakref.certify.verdict import Unanswered, Verdict, printable
+from leakref.dispersion import Scales, Water
+
+__all__ = ["GIVEN", "GRAVITY", "PEAK", "STAGES", "WATER", "Declaration"]
+
+PEAK = 0.25
+"""rad/m: the peak wavenumber at which an implementation in metres and seconds is shown the scaled seas; 25 m waves."""
+GRAVITY = 9.81
+"""In m/s2, for a code in SI."""
+WATER = ("depth", "surface_tension")
+"""What may be declared of the water: `GIVEN`, or a number."""
+GIVEN = "given"
+"""Of a parameter that is handed over with each run."""
+_SHALLOWEST = 0.7  # k0 h: a code with one depth is shown shorter waves rather than such as feel the bottom more
 
 STAGES = ("window", "synthesize", "spectrum", "extract")
 """In the order of the chain."""
@@ -26,7 +39,9 @@ class Declaration:
     """The declaration of guide protocol, section 3, checked and completed.
 
     `fixed` are parameters that it cannot be told: `wavenumbers` if it has its own, `dy` if it knows square pixels only,
-    `gravity` if it has one. `cube` may hold `smallest`, the samples along x, y and t below which it takes none.
+    `gravity` if it has one. `cube` may hold `smallest`, the samples along x, y and t below which it takes none. `water`
+    may hold `depth` and `surface_tension` (over density): `given` if they are handed over with each run, or the number
+    that stands in the code, in its units; without them it knows deep water, and no tension.
 
     - `name`, `version`: words for the certificate, at most 120 characters each.
     - `units`: `si` (m, s) or `scaled` (lengths in `1 / k0`, times in `1 / omega0`, gravity 1).
@@ -46,6 +61,7 @@ class Declaration:
     format: str = "npz"
     fixed: tuple[str, ...] = ()
     cube: Mapping[str, Any] = field(default_factory=dict)
+    water: Mapping[str, Any] = field(default_factory=dict)
     can: Mapping[str, Mapping[str, Any]] = field(default_factory=lambda: {"extract": {}})
 
     @classmethod
@@ -92,7 +108,8 @@ class Declaration:
                 Verdict.ERROR, f"declares fixed = {fixed!r}, should be a list of parameter names, each once"
             )
         words = {name: str(known[name]) for name in (*_DEFAULT, "format")}
-        return cls(**words, fixed=tuple(fixed), cube=_cube(known.get("cube", {})), can=dict(can))
+        cube, water = _cube(known.get("cube", {})), _water(known.get("water", {}))
+        return cls(**words, fixed=tuple(fixed), cube=cube, water=water, can=dict(can))
 
     @property
     def methods(self) -> tuple[str, ...]:
@@ -135,6 +152,28 @@ class Declaration:
         nx, ny, nt = self.cube.get("smallest", (1, 1, 1))
         return nx, ny, nt
 
+    @property
+    def told(self) -> tuple[str, ...]:
+        """What of the water is handed over to it: some of `WATER`."""
+        return tuple(name for name in WATER if self.water.get(name) == GIVEN)
+
+    def scales(self, scale: float = 1.0, gravity: float = 1.0) -> Scales:
+        """Its units of a sea whose peak is shown at `scale` times the usual one, under `gravity` times the usual one.
+
+        A code in SI is shown the sea at 9.81 m/s2 with its peak at `PEAK`, or at shorter waves if it knows one depth
+        only in which those would be long; one in scaled units with gravity 1 and its peak at 1.
+        """
+        if self.units != "si":
+            return Scales(scale, gravity)
+        depth = self.water.get("depth", GIVEN)
+        return Scales(scale * max(PEAK, 0.0 if depth == GIVEN else _SHALLOWEST / depth), gravity * GRAVITY)
+
+    def still(self, scale: float = 1.0) -> Water:
+        """The water that it is asked in, in scaled units: deep, or that which stands in the code."""
+        fixed = {name: value for name, value in self.water.items() if value != GIVEN}
+        units = self.scales(scale)
+        return Water(units.gravity, fixed.get("depth", np.inf), fixed.get("surface_tension", 0.0)).to_scaled(units)
+
     def record(self) -> dict[str, Any]:
         """For the certificate.
 
@@ -149,6 +188,7 @@ class Declaration:
             "direction": self.direction,
             "fixed": list(self.fixed),
             "cube": {name: list(value) for name, value in self.cube.items()},
+            "water": dict(self.water),
             "can": {stage: dict(what) for stage, what in self.can.items()},
         }
 
@@ -174,6 +214,23 @@ def _cube(cube: Any) -> dict[str, tuple[int, int, int]]:
             f"declares cube = {cube!r}, should be an object with smallest = [nx, ny, nt], three whole numbers above 0",
         )
     return {"smallest": tuple(given)}
+
+
+def _water(water: Any) -> dict[str, Any]:
+    """What it says of the water. Raises Unanswered (error)."""
+    told = {name: water[name] for name in WATER if water.get(name) is not None} if isinstance(water, Mapping) else None
+    if told is None or not all(value == GIVEN or _above_zero(value) for value in told.values()):
+        raise Unanswered(
+            Verdict.ERROR,
+            f"declares water = {water!r}, should be an object with depth or surface_tension, each {GIVEN!r} if it is "
+            "handed over, or the number that stands in the code, above zero; for deep water leave depth out",
+        )
+    return {name: value if value == GIVEN else float(value) for name, value in told.items()}
+
+
+def _above_zero(value: Any) -> bool:
+    """Whether it is a finite number above zero."""
+    return not isinstance(value, bool) and isinstance(value, int | float) and 0 < value < np.inf
 
 
 def _clean(value: Any) -> Any:

@@ -15,35 +15,22 @@ import numpy as np
 import numpy.typing as npt
 
 from leakref._base import FloatArray
-from leakref.certify.subject.declaration import Declaration
+from leakref.certify.subject.answers import Velocities, matched, part, refuse_bad, rows
+from leakref.certify.subject.declaration import GRAVITY, PEAK, WATER, Declaration
 from leakref.certify.verdict import Unanswered, Verdict
 from leakref.dispersion import Water
 from leakref.sea import Components
 from leakref.window import WINDOWS
 from leakref.window import window as named_window
 
-__all__ = ["ASKED", "GRAVITY", "OWN", "PEAK", "Call", "Subject", "Velocities"]
+__all__ = ["ASKED", "BOTTOMLESS", "GRAVITY", "OWN", "PEAK", "Call", "Subject", "Velocities"]
 
-PEAK = 0.25
-"""rad/m: the peak wavenumber at which an implementation in metres and seconds is shown the scaled seas; 25 m waves."""
-GRAVITY = 9.81
-"""In m/s2, for a code in SI."""
+BOTTOMLESS = 100.0
+"""The k0 h that a code which is handed a depth is handed for deep water: tanh(k h) is 1 for all waves in the shells."""
 OWN = "own"
 """Stands for the method of a code that names none."""
 ASKED = "nsp"
 """What such a code is asked for, since it may have to be told something (guide protocol, section 3)."""
-
-
-@dataclass(frozen=True, eq=False)
-class Velocities:
-    """An answer: `values` (n, 2) at the `wavenumbers` (n,) that were asked for, NaN where `declined` (n,).
-
-    `wavenumbers` are in units of `k0`, `values` in units of `c0`, x and y components of where the current goes.
-    """
-
-    wavenumbers: FloatArray
-    values: FloatArray
-    declined: npt.NDArray[Any]
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,6 +72,10 @@ class Subject:
         self.scales: set[float] = set()
         """Those at which it has answered, and `fastest`, in c0, what it was asked for: the scope of the certificate."""
         self.fastest = 0.0
+        self.waters: set[tuple[Water, float]] = set()
+        """Those in which it has answered, scaled, and at which scale."""
+        self.asked_as: Declaration | None = None
+        """Whose water it is asked in, if not its own: that of a code which the reference is compared with."""
         self.handled = 0.0
         """Samples of all cubes that it was asked for, times wavenumbers: what the judging cost, on any machine."""
 
@@ -125,14 +116,31 @@ class Subject:
         """Unit of length, of time, and gravity, of a scaled sea whose peak is shown at `scale` times the usual one,
         under `gravity` times the usual one.
 
-        A code in SI is shown the sea with gravity 9.81 m/s2 and its peak at `PEAK` times `scale`, in rad/m; one in
-        scaled units with gravity 1 and its peak at `scale`. Scaled lengths and times are multiplied by these units,
-        wavenumbers divided by that of length.
+        They are those of `Declaration.scales`. Scaled lengths and times are multiplied by these units, wavenumbers
+        divided by that of length.
         """
-        if self.declaration.units == "si":
-            k0, g = PEAK * scale, GRAVITY * gravity
-            return 1 / k0, 1 / float(Water(g).frequency(k0)), g
-        return 1 / scale, 1 / float(Water(gravity).frequency(scale)), gravity
+        scales = self.declaration.scales(scale, gravity)
+        return scales.length, scales.time, scales.gravity
+
+    @property
+    def told(self) -> tuple[str, ...]:
+        """What of the water it is asked about (`Declaration.told`)."""
+        return (self.asked_as or self.declaration).told
+
+    def still(self, scale: float = 1.0) -> Water:
+        """The water that it is asked in, in scaled units (`Declaration.still`)."""
+        return (self.asked_as or self.declaration).still(scale)
+
+    def _water(self, water: Water, scale: float, gravity: float) -> dict[str, float]:
+        """What is handed over of a water, in its units. Raises Unanswered where it cannot be told."""
+        d, own = self.declaration, self.still(scale)
+        for name in WATER:
+            if name not in d.told and getattr(water, name) != getattr(own, name):
+                knows = f"one {name} only" if name in d.water else "deep water" if name == "depth" else "no tension"
+                raise Unanswered(Verdict.UNSUPPORTED, f"knows {knows.replace('_', ' ')}")
+        shown = Water(1.0, BOTTOMLESS if water.depth == np.inf else water.depth, water.surface_tension)
+        in_units = shown.to_units(d.scales(scale, gravity))
+        return {name: float(getattr(in_units, name)) for name in d.told}
 
     def framed(self, cube: FloatArray) -> FloatArray:
         """A cube [x, y, t] with y upwards, as the implementation wants it. A new array, float64 and contiguous."""
@@ -174,6 +182,7 @@ class Subject:
         method: str | None = None,
         scale: float = 1.0,
         gravity: float = 1.0,
+        water: Water | None = None,
         raw: bool = False,
     ) -> Velocities:
         """Velocities (n, 2) at `wavenumbers` (n,), all in scaled units. Raises Unanswered.
@@ -184,7 +193,7 @@ class Subject:
 
         `surface` is (nx, ny, nt) in units of `1 / k0`, `spacing` (dx, dy, dt) in `1 / k0` and `1 / omega0`. `method` is
         its main one unless given. `scale` shows the same sea with its peak elsewhere, `gravity` under another gravity
-        (`units`). A code that tapers
+        (`units`). The sea is in `water`, in scaled units; None is the one that the code is asked in. A code that tapers
         nothing is handed a cube that is tapered already, and told `box`.
 
         Answers are matched to the wavenumbers asked for, to within half a bin; for one that has none that near it
@@ -196,6 +205,8 @@ class Subject:
         asked = np.atleast_1d(np.asarray(wavenumbers, dtype=np.float64))
         if not d.tapers and window != "box":
             surface = _tapered(surface, window)
+        water = self.still(scale) if water is None else water
+        told = self._water(water, scale, gravity)
         length, time, _ = self.units(scale, gravity)
         arrays, steps, gravity = self._surface(surface, spacing, scale, gravity)
         parameters = {
@@ -203,29 +214,28 @@ class Subject:
             "dy": steps[1],
             "dt": steps[2],
             "gravity": gravity,
+            **told,
             "wavenumbers": (asked / length).tolist(),
             "window": window if d.tapers else "box",
             "method": method if d.methods else ASKED,
         }
         self.handled += surface.size * asked.size
         answer = self._work("extract", arrays, parameters)
-        rows, at = _rows(answer, asked / length, d)
+        answered, at = rows(answer, asked / length, d)
         if not raw:
-            _refuse_bad(rows)
-        values = rows * time / length
+            refuse_bad(answered)
+        values = answered * time / length
         if d.y == "down":
             values[:, 1] *= -1
         if d.direction == "from":
             values *= -1
-        found = _matched(asked, values, None if at is None else at * length, steps, surface.shape, length, d)
+        found = matched(asked, values, None if at is None else at * length, steps, surface.shape, length, d)
         if found.declined.all() and not raw:
             raise Unanswered(Verdict.MISSING, f"gave no velocity at any of {asked.size} wavenumbers")
         self.scales.add(scale)
-        self._kept(
-            "extract",
-            {"shape": surface.shape, "wavenumbers": asked, "window": window, "method": method, "scale": scale},
-            found.values,
-        )
+        self.waters.add((water, scale))
+        about = {"wavenumbers": asked, "window": window, "method": method, "scale": scale, "water": water}
+        self._kept("extract", {"shape": surface.shape, **about}, found.values)
         return found
 
     def spectrum(self, surface: FloatArray, spacing: Sequence[float], window: str) -> npt.NDArray[Any]:
@@ -243,7 +253,7 @@ class Subject:
                 ]
             )
         answer = self._work("spectrum", arrays, {"dx": steps[0], "dy": steps[1], "dt": steps[2], "window": window})
-        found = np.asarray(_part(answer, "S"))
+        found = np.asarray(part(answer, "S"))
         if found.shape != arrays["eta"].shape:
             raise Unanswered(Verdict.FAIL, f"S has shape {found.shape}, should be that of eta, {arrays['eta'].shape}")
         return self._kept("spectrum", {"shape": surface.shape, "window": window}, self.unframed(found))
@@ -270,7 +280,7 @@ class Subject:
             "y": y * length,
             "t": t * time,
         }
-        found = np.asarray(_part(self._work("synthesize", arrays, {}), "eta"))
+        found = np.asarray(part(self._work("synthesize", arrays, {}), "eta"))
         shape = tuple({"x": x.size, "y": y.size, "t": t.size}[axis] for axis in self.declaration.axes)
         if found.shape != shape or found.dtype.kind not in "fiu":
             raise Unanswered(Verdict.FAIL, f"eta has shape {found.shape} of {found.dtype}, should be real, {shape}")
@@ -284,7 +294,7 @@ class Subject:
         A row or a column of that many numbers is taken as well. They must be real.
         """
         self._require("window", name=name)
-        found = np.asarray(_part(self._work("window", {}, {"name": name, "size": size}), "w"))
+        found = np.asarray(part(self._work("window", {}, {"name": name, "size": size}), "w"))
         if found.size != size or found.dtype.kind not in "fiu":
             raise Unanswered(Verdict.FAIL, f"w has shape {found.shape} of {found.dtype}, should be {size} real numbers")
         return self._kept("window", {"name": name, "size": size}, found.astype(np.float64).ravel())
@@ -299,91 +309,3 @@ def _tapered(surface: FloatArray, window: str) -> FloatArray:
     """A cube times the window along each axis, for a code that tapers nothing itself."""
     wx, wy, wt = (named_window(window).samples(n) for n in surface.shape)
     return surface * wx[:, None, None] * wy[:, None] * wt
-
-
-def _part(answer: Mapping[str, Any], name: str) -> Any:
-    """An output by its name. Raises Unanswered (fail) if the answer does not hold it."""
-    if name not in answer:
-        raise Unanswered(Verdict.FAIL, f"the answer holds {sorted(map(str, answer))}, should hold {name}")
-    return answer[name]
-
-
-def _rows(answer: Mapping[str, Any], asked: FloatArray, d: Declaration) -> tuple[FloatArray, FloatArray | None]:
-    """Velocities (m, 2) with NaN for null, and the wavenumbers they are at, None for those asked. Units as answered.
-    Accepted are lists and arrays, null or a masked row for what is declined; words and truth values are refused. Raises
-    Unanswered (fail) for another number of rows.
-    """
-    given = _part(answer, "velocities")
-    if np.ma.isMaskedArray(given):
-        given = [None if np.ma.getmaskarray(row).any() else row.tolist() for row in given]
-    elif isinstance(given, np.ndarray):
-        given = list(given) if given.ndim == 2 else given
-    at = _numbers(answer.get("wavenumbers"))
-    if at is None and "wavenumbers" in d.untold and not d.band:
-        raise Unanswered(Verdict.FAIL, "its wavenumbers are fixed, and the answer does not say which they are")
-    expected = 1 if d.band else len(at) if at is not None else asked.size
-    if not isinstance(given, Sequence) or len(given) != expected:
-        shape = getattr(given, "shape", None) or (len(given) if isinstance(given, Sequence) else type(given).__name__)
-        raise Unanswered(Verdict.FAIL, f"velocities: got {shape}, should be {expected} rows of (cx, cy)")
-    found = np.empty((expected, 2))
-    for n, row in enumerate(given):
-        try:
-            found[n] = (np.nan, np.nan) if row is None else _floats(row).reshape(2)
-        except (TypeError, ValueError, OverflowError):
-            raise Unanswered(Verdict.FAIL, f"velocities[{n}] is {row!r}, should be two numbers or null") from None
-        if row is not None and not np.isfinite(found[n]).all():
-            found[n] = np.inf  # told apart from a declined one, and refused below
-    return found, at
-
-
-def _floats(given: Any) -> FloatArray:
-    """As float64 what consists of numbers. Words and truths, which would be taken for some, raise TypeError."""
-    if any(isinstance(one, str | bytes | bool | np.bool_) for one in np.asarray(given, dtype=object).ravel()):
-        raise TypeError
-    return np.asarray(given, dtype=np.float64)
-
-
-def _numbers(given: Any) -> FloatArray | None:
-    """The wavenumbers of an answer, (m,), if it names any."""
-    if given is None:
-        return None
-    try:
-        at = _floats(given)
-    except (TypeError, ValueError, OverflowError):
-        at = np.empty(0)
-    if at.ndim != 1 or not at.size or not np.isfinite(at).all():
-        raise Unanswered(Verdict.FAIL, f"wavenumbers are {str(given)[:80]}, should be a list of numbers")
-    return at
-
-
-def _refuse_bad(found: FloatArray) -> None:
-    """Infinite stands for NaN or infinity in the answer (see `_rows`), NaN for what was declined: the first is a
-    failure.
-    """
-    if (bad := np.isinf(found).any(axis=1)).any():
-        raise Unanswered(
-            Verdict.FAIL,
-            f"{int(bad.sum())} of {len(found)} velocities are NaN or infinite; where there "
-            "is no number the answer is null (in Python None, or a masked row)",
-        )
-
-
-def _matched(
-    asked: FloatArray,
-    values: FloatArray,
-    at: FloatArray | None,
-    steps: Sequence[float],
-    shape: tuple[int, ...],
-    length: float,
-    d: Declaration,
-) -> Velocities:
-    """For each wavenumber asked for the answer within half a bin of it; for a band the one answer there is. The bin is
-    the wider of those along x and y, since a code with wavenumbers of its own cannot know which are asked for.
-    """
-    if d.band:
-        values = np.repeat(values, asked.size, axis=0)
-    elif at is not None:
-        dk = length * max(2 * np.pi / (n * step) for n, step in zip(shape[:2], steps, strict=False))
-        nearest = np.abs(asked[:, None] - at).argmin(axis=1)
-        values = np.where((np.abs(at[nearest] - asked) <= dk / 2)[:, None], values[nearest], np.nan)
-    return Velocities(asked, values, np.asarray(np.isnan(values).any(axis=1)))

@@ -16,7 +16,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from leakref._base import ComplexArray, FloatArray
-from leakref.certify.subject.declaration import STAGES, Declaration
+from leakref.certify.subject.declaration import GIVEN, STAGES, WATER, Declaration
 from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Refused, Unanswered, Verdict
 from leakref.sea import Components
@@ -103,8 +103,9 @@ def describe(given: dict[str, Any], calls: Mapping[str, Callable[..., Any]], nam
     """What an object says of itself, completed by what its signatures show: keywords that are lacking are fixed.
 
     `given` is what its `describe()` returned, `calls` the stages from `offer`, `name` what it is called if it does not
-    say. A stage that it declares and does not have is dropped. An `extract` without a `window` keyword tapers nothing.
-    Raises Unanswered as `Declaration.read` does.
+    say. A stage that it declares and does not have is dropped. An `extract` without a `window` keyword tapers nothing;
+    one that names a keyword `depth` or `surface_tension` is handed it. Raises Unanswered as `Declaration.read` does,
+    and where a depth is declared as given that the signature does not take.
     """
     can = {stage: dict(given.get("can", {}).get(stage, {})) for stage in calls if stage in given.get("can", calls)}
     fixed = list(given.get("fixed", ()))
@@ -114,24 +115,31 @@ def describe(given: dict[str, Any], calls: Mapping[str, Callable[..., Any]], nam
         fixed += [key for key in lacking if key not in fixed]
         if "window" in lacking:
             can["extract"].setdefault("windows", [])
-    return Declaration.read({"name": name, **given, "fixed": fixed, "can": can})
+        water = given.get("water") or {}
+        if isinstance(water, Mapping):
+            given["water"] = {key: GIVEN for key in WATER if accepts(calls["extract"], key, by_name=True)} | dict(water)
+    declared = Declaration.read({"name": name, **given, "fixed": fixed, "can": can})
+    for key in declared.told:
+        if "extract" in can and not accepts(calls["extract"], key):
+            raise Unanswered(Verdict.ERROR, f"declares {key} as {GIVEN}, and its extract takes no {key}")
+    return declared
 
 
-def accepts(function: Callable[..., Any], keyword: str) -> bool:
+def accepts(function: Callable[..., Any], keyword: str, *, by_name: bool = False) -> bool:
     """Whether `function` takes the keyword; one whose signature cannot be seen takes all. `**keywords` take all as
-    well.
+    well, unless the keyword is to be there `by_name`.
     """
     try:
         parameters = inspect.signature(function).parameters
     except (TypeError, ValueError):
-        return True
-    return keyword in parameters or any(p.kind is p.VAR_KEYWORD for p in parameters.values())
+        return not by_name
+    return keyword in parameters or (not by_name and any(p.kind is p.VAR_KEYWORD for p in parameters.values()))
 
 
 def takes_wavenumbers(function: Callable[..., Any]) -> bool:
     """Whether it has a third positional parameter, whatever its name.
 
-    The keywords `gravity`, `window` and `method` do not count among the three. One that does not take them has
+    The keywords `gravity`, `window`, `method` and those of the water do not count. One that does not take them has
     wavenumbers of its own, and must say with each answer which they are.
     """
     try:
@@ -139,7 +147,7 @@ def takes_wavenumbers(function: Callable[..., Any]) -> bool:
     except (TypeError, ValueError):
         return True
     positional = [p for p in parameters if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)]
-    named = {"gravity", "window", "method"}
+    named = {"gravity", "window", "method", *WATER}
     many = len([p for p in positional if p.name not in named]) >= 3
     return many or any(p.kind is p.VAR_POSITIONAL for p in parameters)
 
@@ -166,7 +174,8 @@ def call(
     spacing = (p["dx"], p["dy"], p["dt"])
     if stage == "spectrum":
         return {"S": function(arrays["eta"], spacing, **taken(window=p["window"]))}
-    keywords = taken(gravity=p["gravity"], window=p["window"], method=p["method"])
+    names = ("gravity", "window", "method", *(name for name in WATER if name in p))
+    keywords = taken(**{name: p[name] for name in names})
     if takes_wavenumbers(function):
         answer = function(arrays["eta"], spacing, np.asarray(p["wavenumbers"]), **keywords)
     else:

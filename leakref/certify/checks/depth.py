@@ -1,0 +1,292 @@
+"""Water with a bottom and a surface tension, for codes that are told of them.
+
+Asked only of a code that declares one of them as given: all others are asked in the one water that they know. Waves on
+bins fix the current in every water, so that what is off here is off because of the law of dispersion in the code.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from leakref._base import FloatArray
+from leakref.certify.checks import inputs
+from leakref.certify.checks.criteria import IN_THE_MEAN, each_method, in_the_mean, tapered, vector
+from leakref.certify.checks.draw import drawing
+from leakref.certify.checks.exact import (
+    EXACT_OR_SCORE,
+    EXACTLY,
+    FINE,
+    MORE,
+    TAPERED,
+    aligned_window,
+    judge_exactly,
+    others_in_words,
+)
+from leakref.certify.checks.inputs import GRIDS, Cube, polar
+from leakref.certify.checks.registry import Case, Outcome, check
+from leakref.certify.subject.declaration import WATER
+from leakref.certify.subject.frames import Subject
+from leakref.certify.verdict import Unanswered, Verdict
+from leakref.currents import ExponentialCurrent, UniformCurrent
+from leakref.dispersion import Water
+from leakref.grid import Grid
+
+__all__ = [
+    "RIPPLES",
+    "TENSION",
+    "check_aligned",
+    "check_change",
+    "check_limit",
+    "check_ring",
+    "check_sea",
+    "check_tension",
+]
+
+TENSION = 0.12
+"""S k0^2 / g: that of clean water, 7.4e-5 m3/s2, where the waves of the peak are 5 cm long."""
+RIPPLES = float(np.sqrt(TENSION * 9.81 / 7.4e-5))
+"""The peak wavenumber of those, rad/m."""
+SAME = 0.03
+"""Relative: depths that two waves tell of, as one."""
+BINS = {
+    "even": ((5, 3), (-2, 5)),
+    "odd": ((-4, 4), (5, 2)),
+    "prime": ((3, -5), (6, 1)),
+}
+"""Of a pair of waves on each grid."""
+
+
+def _told(subject: Subject, name: str) -> None:
+    if name not in subject.told:
+        raise Unanswered(Verdict.UNSUPPORTED, f"is not told the {name.replace('_', ' ')}")
+
+
+def _scale(subject: Subject) -> float:
+    """At which waves of the peak are those of `RIPPLES`, for a code in SI."""
+    return 1.0 if subject.declaration.units == "scaled" else RIPPLES * subject.units(1.0)[0]
+
+
+def _pair(name: str, near: tuple[float, float], water: Water, scale: float = 1.0) -> Cube:
+    with inputs.in_water(water):
+        return replace(inputs.pair(GRIDS[name], *BINS[name], near), scale=scale)
+
+
+def _many(name: str, near: tuple[float, float], water: Water, scale: float = 1.0) -> Cube:
+    with inputs.in_water(water):
+        return replace(inputs.many(GRIDS[name].shape, near), scale=scale)
+
+
+def _in_other_water(cube: Cube, water: Water) -> Cube:
+    """The same two waves, which in other water are on another current."""
+    waves = cube.components
+    k = np.stack([waves.kx, waves.ky], axis=1)
+    current = np.linalg.solve(k, waves.omega - water.frequency(np.hypot(*k.T)))
+    return replace(cube, water=water, current=UniformCurrent((float(current[0]), float(current[1]))))
+
+
+def _explained(subject: Subject, cube: Cube, outcome: Outcome) -> Outcome:
+    """With the depth for which an answer that is wrong would be right, if there is one: of two waves both tell it."""
+    rows = outcome.figures.get("velocities")
+    if outcome.over <= 1 or rows is None or cube.components.kx.size != 2 or aligned_window(subject) != "box":
+        return outcome
+    waves, k = cube.components, np.hypot(cube.components.kx, cube.components.ky)
+    found = np.asarray(rows, dtype=np.float64)[0]
+    still = waves.omega - np.stack([waves.kx, waves.ky], axis=1) @ found
+    tanh = still**2 / (k + cube.water.surface_tension * k**3)
+    if not (np.isfinite(tanh).all() and (still > 0).all()):
+        return outcome
+    if np.ptp(tanh) < SAME / 10 and abs(tanh.mean() - 1) < SAME / 10:
+        return replace(outcome, message=f"{outcome.message}. That is right in deep water")
+    with np.errstate(divide="ignore", invalid="ignore"):
+        depth = np.arctanh(tanh) / k
+    if np.isfinite(depth).all() and np.ptp(depth) < SAME * depth.mean():
+        return replace(
+            outcome, message=f"{outcome.message}. That is right in a depth of {_shown(subject, cube, depth)}"
+        )
+    return outcome
+
+
+def _shown(subject: Subject, cube: Cube, depth: FloatArray) -> str:
+    """A depth (n,) in the code's own units."""
+    length, _, _ = subject.units(cube.scale)
+    return f"{float(depth.mean()) * length:.3g}" + (" m" if subject.declaration.units == "si" else " / k0")
+
+
+def _handed(subject: Subject, water: Water, scale: float = 1.0) -> str:
+    length, _, _ = subject.units(scale)
+    unit = " m" if subject.declaration.units == "si" else " / k0"
+    return "deep water" if water.depth == np.inf else f"a depth of {water.depth * length:.4g}{unit}"
+
+
+@check(
+    "depth",
+    "sec:theory",
+    EXACTLY + MORE,
+    [
+        Case("0.7", {"grid": "even", "depth": 0.7, "near": (0.11, -0.13)}),
+        Case("1.2", {"grid": "odd", "depth": 1.2, "near": (0.05, 0.2)}),
+        Case("2", {"grid": "prime", "depth": 2.0, "near": (-0.15, 0.05)}),
+        Case("0.7-2", {"grid": "prime", "depth": 0.7, "near": (0.0, 0.0)}, quick=False),
+        Case("1.2-2", {"grid": "even", "depth": 1.2, "near": (-0.2, 0.1)}, quick=False),
+    ],
+)
+def check_aligned(subject: Subject, case: Case) -> Outcome:
+    """Two waves on bins, in water as deep as the id says, k0 h: a tanh outside the root, k h in cycles, a depth in
+    feet, counted negative or not used at all gives another current, and the paper's deep water is an eighth off where
+    k0 h is 1."""
+    _told(subject, "depth")
+    grid, near = case.given["grid"], case.given["near"]
+    water = replace(inputs.still(), depth=case.given["depth"])
+    cube, more = _pair(grid, near, water), _many(grid, near, water)
+    return each_method(
+        subject, lambda method: _explained(subject, cube, judge_exactly(subject, cube, method, more=more))
+    )
+
+
+@check(
+    "depth",
+    "sec:theory",
+    EXACT_OR_SCORE + others_in_words("a tenth of ") + TAPERED,
+    [
+        Case("0.9", {"depth": 0.9, "current": (5, -5)}),
+        Case("1.6", {"depth": 1.6, "current": (-5, 0)}, quick=False),
+        Case("tension", {"surface_tension": TENSION, "current": (0, -5)}),
+    ],
+)
+def check_ring(subject: Subject, case: Case) -> Outcome:
+    """Four waves of one length within a quarter of the circle, on bins, asked for at just their wavenumber, in other
+    water: nothing is there to interpolate or to weigh, so that every algorithm is right to a few digits, and what is
+    off is off because of the law of dispersion."""
+    law = {name: value for name, value in case.given.items() if name in WATER}
+    for name in law:
+        _told(subject, name)
+    scale = _scale(subject) if "surface_tension" in law else 1.0
+    water = replace(subject.still(scale), **law)
+    with inputs.in_water(water):
+        grid, draw = inputs.ring(5, 1.4, 24, (30, 33, 100)), drawing()
+        u, v = (grid.frequency_resolution / 1.4 * draw.turn @ np.array(case.given["current"])).tolist()
+        bins = np.array(draw.bins((5, 0), (4, 3), (3, 4), (0, 5)))
+        cube = replace(inputs.on_bins(grid, bins, np.array([1.4]), UniformCurrent((u, v))), scale=scale)
+    return each_method(subject, lambda method: judge_exactly(subject, cube, method, others=FINE))
+
+
+@check(
+    "depth",
+    "sec:theory",
+    EXACTLY + " No truth about the sea is needed: what the law of dispersion takes from the waves, the current gives.",
+    [
+        Case("1.2-for-0.8", {"grid": "even", "made": 0.8, "told": 1.2, "near": (0.08, -0.1)}),
+        Case("deep-for-1", {"grid": "odd", "made": 1.0, "told": np.inf, "near": (0.12, 0.1)}),
+        Case("1.5-for-deep", {"grid": "prime", "made": np.inf, "told": 1.5, "near": (-0.1, 0.0)}),
+    ],
+)
+def check_change(subject: Subject, case: Case) -> Outcome:
+    """One and the same cube, and another depth handed over: the answer must change by what the law of dispersion says.
+    A depth that is not used, or only where it was never tried, that of the tile before or a default changes nothing."""
+    _told(subject, "depth")
+    given, still = case.given, inputs.still()
+    cube = _pair(given["grid"], given["near"], replace(still, depth=given["made"]))
+    other = _in_other_water(cube, replace(still, depth=given["told"]))
+
+    def judge(method: str) -> Outcome:
+        try:
+            both = [judge_exactly(subject, one, method) for one in (cube, other)]
+        except Unanswered as nothing:
+            if nothing.verdict is not Verdict.MISSING:
+                raise
+            raise Unanswered(Verdict.UNSUPPORTED, "gives no velocity where two waves are all there is") from None
+        first, second = (np.asarray(one.figures["velocities"])[0] for one in both)
+        worse = max(range(2), key=lambda n: np.inf if np.isnan(both[n].over) else both[n].over)
+        outcome = _explained(subject, (cube, other)[worse], both[worse])
+        if outcome.over <= 1:
+            return outcome
+        told = (
+            f"handed {_handed(subject, other.water)} instead of {_handed(subject, cube.water)} its answer changes by "
+        )
+        told += f"{vector(second - first)}, should change by {vector((other.truth - cube.truth)[0])}"
+        if np.hypot(*(second - first)) < 1e-6:
+            told += ": the depth it is handed is not used"
+            outcome = replace(outcome, figures={**outcome.figures, "unused": ["depth"]})
+        return replace(outcome, message=f"{told}; {outcome.message}")
+
+    return each_method(subject, judge)
+
+
+@check(
+    "depth",
+    "sec:theory",
+    EXACTLY + MORE,
+    [
+        Case("30", {"grid": "even", "depth": 30.0, "near": (0.1, 0.15)}),
+        Case("ten-thousand", {"grid": "odd", "depth": 1e4, "near": (-0.12, 0.1)}),
+    ],
+)
+def check_limit(subject: Subject, case: Case) -> Outcome:
+    """Water so deep that no wave feels the bottom, k0 h of 30 and of ten thousand (the ocean under waves of a few
+    metres): the answer is that of deep water, and no sinh or cosh of k h overflows on the way."""
+    _told(subject, "depth")
+    grid, near = case.given["grid"], case.given["near"]
+    water = replace(inputs.still(), depth=case.given["depth"])
+    return each_method(
+        subject,
+        lambda method: judge_exactly(subject, _pair(grid, near, water), method, more=_many(grid, near, water)),
+    )
+
+
+@check(
+    "depth",
+    "eq:dcdwk",
+    IN_THE_MEAN,
+    [
+        Case("0.7", {"depth": 0.7, "direction": 40.0, "current": polar(0.15, 75.0)}),
+        Case("1.2", {"depth": 1.2, "direction": -70.0, "current": polar(0.2, 160.0)}),
+        Case("2", {"depth": 2.0, "direction": 120.0, "current": polar(0.2, -60.0)}, quick=False),
+        Case("sheared", {"depth": 1.0, "direction": 60.0, "shear": True}),
+    ],
+)
+def check_sea(subject: Subject, case: Case) -> Outcome:
+    """A broad sea in water of finite depth, tapered, as in the field; in one the current decays with depth, and each
+    wavenumber feels what the bottom leaves of it (eq:SJ with the weight of finite depth)."""
+    _told(subject, "depth")
+    given = case.given
+    if given.get("shear") and subject.declaration.band:
+        raise Unanswered(Verdict.UNSUPPORTED, "gives one velocity for the whole band")
+    current = ExponentialCurrent((0.5, 0.25), 0.4) if given.get("shear") else UniformCurrent(given["current"])
+    with inputs.in_water(replace(inputs.still(), depth=given["depth"])):
+        cube = inputs.sea(given["direction"], 180.0, current, realization=31)
+    return each_method(subject, lambda method: in_the_mean(subject, cube, tapered(subject), method))
+
+
+TANK = Grid((36, 40, 90), (0.68, 0.62, 0.5))
+"""A shorter step in time: surface tension makes short waves fast."""
+
+
+@check(
+    "depth",
+    "sec:theory",
+    EXACTLY + MORE + " In the sea: " + IN_THE_MEAN,
+    [
+        Case("aligned", {"grid": "even", "near": (0.1, -0.1)}),
+        Case("tank", {"grid": "prime", "near": (-0.08, 0.12), "depth": 1.0}),
+        Case("sea", {"current": polar(0.2, 30.0)}),
+    ],
+)
+def check_tension(subject: Subject, case: Case) -> Outcome:
+    """Waves of a few centimetres, which surface tension makes faster, in a tank in water of finite depth as well: left
+    out, divided by the density twice, or with k squared for k cubed the current is another one."""
+    _told(subject, "surface_tension")
+    given = case.given
+    if "depth" in given:
+        _told(subject, "depth")
+    scale = _scale(subject)
+    water = replace(subject.still(scale), surface_tension=TENSION)
+    water = replace(water, depth=given.get("depth", water.depth))
+    if "current" in given:
+        with inputs.in_water(water):
+            sea = inputs.sea(100.0, 180.0, UniformCurrent(given["current"]), realization=32, grid=TANK)
+        sea = replace(sea, scale=scale)
+        return each_method(subject, lambda method: in_the_mean(subject, sea, tapered(subject), method))
+    cube, more = (make(given["grid"], given["near"], water, scale) for make in (_pair, _many))
+    return each_method(subject, lambda method: judge_exactly(subject, cube, method, more=more))
