@@ -23,7 +23,7 @@ from leakref._output import envelope, plain
 from leakref.certify.checks.draw import PUBLISHED
 from leakref.certify.checks.registry import FAMILIES
 from leakref.certify.subject.declaration import Declaration
-from leakref.certify.subject.frames import GRAVITY, OWN, PEAK
+from leakref.certify.subject.frames import OWN
 from leakref.certify.verdict import WRONG, Finding, Known, Verdict
 from leakref.dispersion import Water
 
@@ -56,8 +56,9 @@ class Certificate:
     - `seconds`: wall time of the run; `date`: when it ended, in UTC.
     - `seed`: of the questions that are drawn (`checks.draw`); `only`: the patterns by which some were chosen, if any.
     - `methods`: those it was judged by; `alike`: those of the reference as which it answers a broad sea; `scales`: the
-      peak wavenumbers at which it answered; `fastest`: the strongest current it was asked for, in c0; `handled`: the
-      samples of all cubes times wavenumbers, what the judging cost.
+      peak wavenumbers at which it answered; `waters`: in which it did, scaled, each with such a scale; `fastest`: the
+      strongest current it was asked for, in c0; `handled`: the samples of all cubes times wavenumbers, what the judging
+      cost.
     - `cut_short`: where the run was interrupted, in words, empty if it came to its end; `unasked`: how many questions
       were left then.
     - `again`: the command that repeats the run; empty where it was not run by one.
@@ -80,6 +81,7 @@ class Certificate:
     methods: Sequence[str] = ()
     alike: Sequence[str] = ()
     scales: Sequence[float] = ()
+    waters: Sequence[tuple[Water, float]] = ()
     fastest: float = 0.0
     handled: float = 0.0
     cut_short: str = ""
@@ -248,18 +250,27 @@ class Certificate:
 
         Lengths and speeds are in metres and m/s for a code in SI, else in units of `1 / k0` and `c0`.
         """
-        si = self.declaration.get("units") == "si"
-        length, speed = (1 / PEAK, float(Water(GRAVITY).phase_velocity(PEAK))) if si else (1.0, 1.0)
-        waves = sorted(float(2 * np.pi * length / scale) for scale in self.scales)
+        declared = Declaration.read(self.declaration)
+        si, usual = declared.units == "si", declared.scales()
+        waves = sorted(float(2 * np.pi * usual.length / scale) for scale in self.scales)
+        shown = [(water, declared.scales(scale)) for water, scale in self.waters]
+        tensions = [(float(water.to_units(units).surface_tension), units.length) for water, units in shown]
+        felt = np.inf if "depth" in declared.water and "depth" not in declared.told else _DEEP
+        usual_ones = [(water, units) for water, units in shown if water.surface_tension < _RIPPLES]
+        depths = sorted(float(water.depth * units.length) for water, units in usual_ones if water.depth < felt)
+        deep = len(depths) < len(usual_ones)
         found = {
-            "depth": "deep",
-            "surface_tension": 0.0,
+            "depth": "deep" if not depths else "deep and finite" if deep or depths[0] < depths[-1] else depths[0],
+            "depths": [depths[0], depths[-1]] if depths else [],
+            "surface_tension": max(tensions, default=(0.0, 1.0))[0],
+            "ripples": 2 * np.pi * max(tensions, default=(0.0, 1.0))[1],
             "units": ("m", "m/s") if si else ("1/k0", "c0"),
+            "peak_wavelength": 2 * np.pi * usual.length,
             "peak_wavelengths": [waves[0], waves[-1]] if waves else [],
-            "fastest_current": self.fastest * speed,
+            "fastest_current": self.fastest * usual.velocity,
             "stages": list(self.declaration.get("can", {})),
             "methods": list(self.methods),
-            "windows": list(Declaration(can=self.declaration["can"]).windows) if self.offers("extract") else [],
+            "windows": list(declared.windows) if self.offers("extract") else [],
             "golden": self.golden,
             "seed": self.seed,
             "only": list(self.only),
@@ -291,7 +302,7 @@ def _in_words(scope: Mapping[str, Any], si: bool) -> str:
         return f"No velocity was judged; offered: {told}."
     short, long = scope["peak_wavelengths"]
     if si:
-        waves, other = f"linear waves {2 * np.pi / PEAK:.3g} m long", f"{short:.3g} to {long:.3g} m"
+        waves, other = f"linear waves {scope['peak_wavelength']:.3g} m long", f"{short:.3g} to {long:.3g} m"
     else:
         waves, other = (
             "linear waves in scaled units",
@@ -300,7 +311,21 @@ def _in_words(scope: Mapping[str, Any], si: bool) -> str:
     waves += f" (in the family scale {other})" * (short < long)
     speed = f"{scope['fastest_current']:.2g} {scope['units'][1]}" + " (c0: phase speed of the peak)" * (not si)
     current = f"one current in the picture, uniform or changing with depth, of {speed} at most"
-    return f"Deep water, no surface tension, {waves}, {current}; {'; '.join(asked)}."
+    return f"{_water_in_words(scope, si)}, {waves}, {current}; {'; '.join(asked)}."
+
+
+def _water_in_words(scope: Mapping[str, Any], si: bool) -> str:
+    """The water for a reader, in the code's own units."""
+    depth, unit = "Deep water", " m" if si else " / k0"
+    if scope["depths"]:
+        low, high = (f"{value:.3g}" for value in scope["depths"])
+        finite = f"depths of {low} to {high}{unit}" if low != high else f"a depth of {low}{unit}"
+        depth = f"Deep water and {finite}" if scope["depth"] == "deep and finite" else f"Water of {finite}"
+    tension = scope["surface_tension"]
+    if not tension:
+        return f"{depth}, no surface tension"
+    waves = f" m3/s2 (waves of {scope['ripples']:.2g} m)" if si else " g / k0^2"
+    return f"{depth}, surface tension up to {tension:.2g}{waves}"
 
 
 def schema() -> dict[str, Any]:
@@ -312,6 +337,8 @@ def schema() -> dict[str, Any]:
     return dict(loads(text))
 
 
+_DEEP = 19.0  # k0 h from which tanh(k0 h) is 1 to the last bit
+_RIPPLES = 1e-3  # S k0^2 / g above which waves are shown for their surface tension
 _NOT_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 

@@ -19,6 +19,7 @@ from leakref._output import template
 from leakref.certify.certificate import CONFORMANT, NO_GRADE, REJECTED, Certificate
 from leakref.certify.checks.registry import FAMILIES, Check
 from leakref.certify.runner import select
+from leakref.certify.subject.declaration import GIVEN
 from leakref.certify.verdict import Finding, Verdict
 
 __all__ = ["badge", "page", "sentence"]
@@ -71,6 +72,7 @@ def page(certificate: Certificate, pictures: Sequence[Mapping[str, str]] = ()) -
         certificate=certificate,
         said=certificate.declaration,
         scope=certificate.scope()["words"],
+        untested=_untested(certificate.declaration.get("water") or {}),
         version=__version__,
         pictures=pictures,
         grade_class=certificate.grade or "unjudged",
@@ -91,6 +93,14 @@ def badge(certificate: Certificate) -> str:
     return template("badge.svg").render(grade=line, width=62 + round(6.4 * len(line)), colour=colour)
 
 
+def _untested(water: Mapping[str, Any]) -> str:
+    """What no question was about, for a code that declares this of the water."""
+    names = {"depth": "other depths", "surface_tension": "surface tension"}
+    words = [words for name, words in names.items() if water.get(name) != GIVEN]
+    said = ", ".join([*words, "breaking or nonlinear waves", "noise", "a camera that moves"])
+    return said[0].upper() + said[1:]
+
+
 def _declared(said: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """The declaration in rows of a name and words, for the table on the page."""
     for name in ("units", "axes", "y", "direction"):
@@ -98,6 +108,8 @@ def _declared(said: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     yield "fixed", ", ".join(said["fixed"]) or "nothing"
     if said.get("cube"):
         yield "smallest cube", " x ".join(map(str, said["cube"]["smallest"])) + " samples along x, y, t"
+    for name, value in (said.get("water") or {}).items():
+        yield name.replace("_", " "), "given with each run" if value == GIVEN else f"{value:.4g}, in the code"
     for stage, what in said["can"].items():
         told = "; ".join(
             f"{name} {', '.join(map(str, v)) or 'none' if isinstance(v, list | tuple) else v}"

@@ -121,6 +121,7 @@ def certify(
             methods=subject.methods if subject.offers("extract") else (),
             alike=sorted(subject.alike or ()),
             scales=sorted({scale for one in opened for scale in one.scales}),
+            waters=sorted({water for one in opened for water in one.waters}, key=str),
             fastest=max(one.fastest for one in opened),
             handled=sum(one.handled for one in opened),
             cut_short=cut_short,

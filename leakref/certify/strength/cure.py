@@ -309,10 +309,10 @@ class Search:
             if one.shape != two.shape or not np.isfinite([one, two]).all() or not (slope := two - one).any():
                 return None
             best = low - (high - low) * float((one * slope).sum() / (slope**2).sum())
+            if not np.log(_GRAVITY[0]) <= best <= np.log(_GRAVITY[1]):  # a line that is nearly level ends anywhere
+                return None
             low, high = best - (high - low) / 20, best + (high - low) / 20
         value = float(np.exp(best))
-        if not _GRAVITY[0] <= value <= _GRAVITY[1]:  # a straight line that is nearly level ends anywhere
-            return None
         if any(abs(value / known - 1) < 2e-4 for known in KNOWN_GRAVITIES):
             return None
         return gravity(value)

@@ -43,7 +43,7 @@ _FEW = 2  # checks that failed: so few are told with what they are there for
 _COINCIDENCE = 6.0  # digits below which a fault that gives one answer again and again explains nothing by it
 _LOOK = {
     "signs": "D2", "recovery": "D3, D9", "metamorphic": "D1, D5", "leakage": "D1, D16", "currents": "D2, D6",
-    "shear": "D9", "scale": "D4", "synthesis": "D15", "conformance": "D1",
+    "shear": "D9", "depth": "D26", "scale": "D4", "synthesis": "D15", "conformance": "D1",
 }  # fmt: skip
 """Decisions that codes take otherwise where a family of checks fails."""
 _STORIES = ("currents", "scale", "recovery", "signs")

@@ -21,6 +21,7 @@ from leakref.certify.subject.frames import Subject, Velocities
 from leakref.certify.subject.inprocess import InProcess
 from leakref.certify.verdict import WRONG, Finding, Verdict
 from leakref.chain import reference
+from leakref.dispersion import Water
 from leakref.grid import Grid
 from leakref.nsp import WIDTH, characteristic_function, normalized_scalar_product, score_derivatives, score_range
 from leakref.shell import Shell, shell_at
@@ -51,6 +52,7 @@ def symptoms(findings: Sequence[Finding], declared: Mapping[str, Any]) -> list[H
     found = [
         *_unanswered(failed),
         *_behaviours(failed),
+        *_depth(failed),
         *_energy(failed),
         *_signs_lost(failed),
         *(list(_stale(failed)) or _repeated(failed, declared)),  # which repeats values because it repeats cubes
@@ -84,6 +86,16 @@ def _behaviours(failed: Sequence[Finding]) -> Iterator[Hypothesis]:
         elif check == "metamorphic.amplitude":
             yield _said(check, "its answers change with the unit of the surface: a threshold or a floor in absolute "
                                "numbers, a logarithm, or integers that round or wrap")  # fmt: skip
+
+
+def _depth(failed: Sequence[Finding]) -> Iterator[Hypothesis]:
+    """A depth that is handed over and not used: the answer to one cube is the same whatever it is."""
+    for f in failed:
+        if f.id.startswith("depth.change") and "is not used" in f.message:
+            _, _, depth = f.message.partition("That is right in ")
+            instead = f"; it answers as in {depth.partition('.  ')[0]}" if depth else ""
+            yield _said("depth-unused", f"the depth that it is handed is not used{instead}")
+            return
 
 
 def _unanswered(failed: Sequence[Finding]) -> Iterator[Hypothesis]:
@@ -263,12 +275,13 @@ def _scales(findings: Sequence[Finding]) -> Iterator[Hypothesis]:
 class _Recording(InProcess):
     """The reference, and what it was shown."""
 
-    shown: list[tuple[FloatArray, Sequence[float], FloatArray, str, str | None]]
+    shown: list[tuple[FloatArray, Sequence[float], FloatArray, str, str | None, Water]]
 
     def extract(self, surface: Any, spacing: Any, wavenumbers: Any, **named: Any) -> Velocities:
         """As `Subject.extract`, of which it takes down the question."""
         window, method = named.get("window", "hann"), named.get("method")
-        self.shown.append((surface, spacing, np.atleast_1d(wavenumbers), window, method))
+        water = named.get("water") or self.still()
+        self.shown.append((surface, spacing, np.atleast_1d(wavenumbers), window, method, water))
         return super().extract(surface, spacing, wavenumbers, **named)
 
 
@@ -331,9 +344,10 @@ def _shells(
     theirs = Declaration.read({**declared})
     own = subject.declaration
     can = {**own.can, "extract": {"methods": list(methods), "windows": list(theirs.windows)}}
-    subject.declaration = Declaration(fixed=("dy",) if "dy" in theirs.untold else (), can=can)
+    fixed = ("dy",) if "dy" in theirs.untold else ()
+    subject.declaration, subject.asked_as = Declaration(fixed=fixed, can=can, water=own.water), theirs
     clue.check(subject, clue.case)
-    for (surface, spacing, k, window, method), mine, true in zip(
+    for (surface, spacing, k, window, method, water), mine, true in zip(
         subject.shown, clue.finding.calls, subject.calls, strict=False
     ):
         if method == "nsp" and mine.answer.shape == true.answer.shape and mine.asked["scale"] == 1:
@@ -341,7 +355,7 @@ def _shells(
             spectrum = fourier(surface, grid, window, workers=1)
             for n in np.flatnonzero(np.isfinite(mine.answer).all(axis=1) & np.isfinite(true.answer).all(axis=1)):
                 width = WIDTH * grid.frequency_resolution
-                yield shell_at(spectrum, float(k[n])), width, mine.answer[n], true.answer[n]
+                yield shell_at(spectrum, float(k[n]), water=water), width, mine.answer[n], true.answer[n]
 
 
 def _is_maximum(shell: Shell, velocity: FloatArray, a: float) -> bool:

@@ -232,7 +232,8 @@ class Subject:
         found = matched(asked, values, None if at is None else at * length, steps, surface.shape, length, d)
         if found.declined.all() and not raw:
             raise Unanswered(Verdict.MISSING, f"gave no velocity at any of {asked.size} wavenumbers")
-        self.scales.add(scale)
+        if water.surface_tension == self.still(scale).surface_tension:
+            self.scales.add(scale)  # else it is shown the waves that feel it
         self.waters.add((water, scale))
         about = {"wavenumbers": asked, "window": window, "method": method, "scale": scale, "water": water}
         self._kept("extract", {"shape": surface.shape, **about}, found.values)

@@ -19,7 +19,8 @@ const double pi = std::acos(-1.0);
 // What the code expects and returns; leakref converts to it and back.
 const char* const ready =
     R"({"op": "ready", "protocol": 1, "name": "my code", "version": "1", "format": "raw", "units": "si", )"
-    R"("axes": "xyt", "y": "up", "direction": "to", "can": {"window": {"names": ["box", "hann"]}, )"
+    R"("axes": "xyt", "y": "up", "direction": "to", "water": {"depth": "given"}, )"
+    R"("can": {"window": {"names": ["box", "hann"]}, )"
     R"("extract": {"methods": ["ls"], "windows": ["box", "hann"], "resolves": "wavenumber"}}})";
 
 // The values of keys on the line: enough for what leakref sends.
@@ -86,10 +87,11 @@ void transform(Waves& values, int size, int stride, int sign) {
   }
 }
 
-// The current (cx, cy) that the waves near each wavenumber see, or null: a fit of omega = sqrt(g k) + k.c by least
-// squares to the strong bins around each. The cube eta is [x][y][t].
+// The current (cx, cy) that the waves near each wavenumber see, or null: a fit of omega = sqrt(g k tanh(k h)) + k.c by
+// least squares to the strong bins around each. The cube eta is [x][y][t], h the depth.
 std::string extract(const Values& eta, int nx, int ny, int nt, const std::string& line) {
-  const double dx = number(line, "dx"), dy = number(line, "dy"), dt = number(line, "dt"), g = number(line, "gravity");
+  const double dx = number(line, "dx"), dy = number(line, "dy"), dt = number(line, "dt"), g = number(line, "gravity"),
+               depth = number(line, "depth");
   const Values wx = taper(text(line, "window"), nx), wy = taper(text(line, "window"), ny),
                wt = taper(text(line, "window"), nt);
   Waves S(eta.size());
@@ -113,7 +115,7 @@ std::string extract(const Values& eta, int nx, int ny, int nt, const std::string
         if (std::abs(k - wavenumber) > 2.000001 * width) continue;
         for (int m = 0; m <= nt / 2; ++m) {
           const double power = std::norm(S[(std::size_t((i + nx) % nx) * ny + (j + ny) % ny) * nt + m]);
-          shell.push_back({i * ux, j * uy, m * ut - std::sqrt(g * k), power});
+          shell.push_back({i * ux, j * uy, m * ut - std::sqrt(g * k * std::tanh(k * depth)), power});
           largest = std::max(largest, power);
         }
       }

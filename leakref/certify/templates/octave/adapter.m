@@ -4,7 +4,8 @@
 
 function said = ready()  % what the code expects and returns; leakref converts to it and back
   said = ['{"op": "ready", "protocol": 1, "name": "my code", "version": "1", "format": "mat", "units": "si", ' ...
-          '"axes": "xyt", "y": "up", "direction": "to", "can": {"window": {"names": ["box", "hann"]}, ' ...
+          '"axes": "xyt", "y": "up", "direction": "to", "water": {"depth": "given"}, ' ...
+          '"can": {"window": {"names": ["box", "hann"]}, ' ...
           '"extract": {"methods": ["ls"], "windows": ["box", "hann"], "resolves": "wavenumber"}}}'];
 end
 
@@ -20,7 +21,7 @@ function k = bins(n, step)  % angular wavenumbers or frequencies in the order of
 end
 
 % The current (cx, cy) that the waves near each wavenumber see, a row each, NaN where there is none to give: a fit of
-% omega = sqrt(g k) + k.c by least squares to the strong bins around each. eta is (x, y, t).
+% omega = sqrt(g k tanh(k h)) + k.c by least squares to the strong bins around each. eta is (x, y, t), h p.depth.
 function c = extract(eta, p)
   [nx, ny, nt] = size(eta);
   eta = eta .* taper(p.window, nx) .* taper(p.window, ny)' .* reshape(taper(p.window, nt), 1, 1, nt);
@@ -42,7 +43,7 @@ function c = extract(eta, p)
     end
     [i, m] = find(power(shell, :) >= 0.2 * largest);
     direction = [kx(shell(i))(:), ky(shell(i))(:)];
-    shift = omega(m)(:) - sqrt(p.gravity * k(shell(i))(:));
+    shift = omega(m)(:) - sqrt(p.gravity * k(shell(i))(:) .* tanh(p.depth * k(shell(i))(:)));
     normal = direction' * direction;
     known = eig(normal);
     if min(known) > 1e-9 * max(known)  % waves in one direction say nothing of the current across it

@@ -20,16 +20,18 @@ class Code:
             "axes": "xyt",  # the order of the axes of the surface
             "y": "up",  # the second axis points upwards; or "down", as the rows of an image do
             "direction": "to",  # velocities say where the water goes to; or "from"
+            "water": {"depth": "given"},  # handed over; or the one in your code, in metres; left out: deep water only
             "can": {"extract": {"methods": ["ls"], "windows": ["box", "hann"], "resolves": "wavenumber"}},
         }
 
     def extract(
-        self, surface: Any, spacing: Sequence[float], wavenumbers: Any, *, gravity: float, window: str
+        self, surface: Any, spacing: Sequence[float], wavenumbers: Any, *, gravity: float, depth: float, window: str
     ) -> list[tuple[float, float] | None]:
         """The current (cx, cy) that the waves near each wavenumber see, None where there is none to give.
 
         `surface` (nx, ny, nt) is sampled at `spacing` (dx, dy, dt); `wavenumbers` (n,) in rad per unit of length. This
-        one fits the dispersion relation omega = sqrt(g k) + k.c by least squares to the strong bins around each.
+        one fits the dispersion relation omega = sqrt(g k tanh(k h)) + k.c by least squares to the strong bins around
+        each; `depth` h is in units of length.
         """
         if not np.isfinite(surface).all():
             raise ValueError("the surface holds values that are not finite")
@@ -50,7 +52,7 @@ class Code:
             inside = wavenumber + 2 * bin_width < nyquist and power[shell].any()
             i, m = np.nonzero(power[shell] >= 0.2 * power[shell].max()) if inside else 2 * (np.zeros(0, int),)
             direction = np.stack([kx[shell][i], ky[shell][i]])
-            shift = omega[m] - np.sqrt(gravity * k[shell][i])
+            shift = omega[m] - np.sqrt(gravity * k[shell][i] * np.tanh(k[shell][i] * depth))
             normal = direction @ direction.T
             known = np.linalg.eigvalsh(normal)
             if known[0] <= 1e-9 * known[1]:
