@@ -126,14 +126,17 @@ def looked_at(golden: Golden, full: bool, wanted: Sequence[str] = ()) -> list[En
     ]
 
 
+_QUICK = ("nsp-ls", "theta0-dtheta/direction=60,spread=15")
+"""Configurations of L = 10 and T = 20 that are looked at all the same, as are those over a bottom."""
+
+
 def _is_quick(entry: Entry) -> bool:
     if entry.stage == "realization":
         given = entry.record["input"]
         return bool(
             given["realization"] == 0
             and given["length"] <= 10
-            and given["duration"]
-            <= 10 * (1 + (given["configuration"] in ("nsp-ls", "theta0-dtheta/direction=60,spread=15")))
+            and given["duration"] <= 10 * (1 + ("depth" in given or given["configuration"] in _QUICK))
         )
     return entry.stage != "ensemble"
 
