@@ -156,7 +156,8 @@ def _draw(out: Path, ensembles: Sequence[Ensemble], realizations: int, everythin
     if over_bottom:
         from leakref.paper.depthfigure import depth_figure
 
-        words = f"What it costs to take water for deep, {realizations} realisation{'s' * (realizations > 1)}"
+        count = f"{realizations} realisation{'s' * (realizations > 1)}"
+        words = f"What it costs to take water for deep: errors in still water, {count}"
         paths += save(depth_figure(over_bottom, words), out / "figure_depth")
     if of_shear:
         from leakref.paper.shearfigure import shear_figure
