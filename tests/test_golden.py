@@ -492,8 +492,33 @@ def test_writing_what_was_read_gives_the_same_bytes(tmp_path):
 def test_entries_that_share_a_surface_have_to_have_the_same(tmp_path):
     first, second = (e for e in ALL if e.id in ("extract-lake-hann-nsp", "extract-lake-hann-ls"))
     other = replace(second, arrays={"extract-lake.f64": second.arrays["extract-lake.f64"] + 1})
-    with pytest.raises(LeakrefError, match=r"other numbers in extract-lake\.f64"):
+    with pytest.raises(LeakrefError, match=r"share extract-lake\.f64 have other numbers"):
         making._write(tmp_path, "vectors/extract.json", [first, other])
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_cube_is_replaced_for_all_that_share_it_or_for_none(both, monkeypatch):
+    """Its surface is another one: 1e-3 of it, where 1e-12 is rounding."""
+    louder = {
+        part: tuple(
+            replace(v, input={**v.input, "surface": np.asarray(v.input["surface"]) * 1.001})
+            if v.raw == "extract-lake"
+            else v
+            for v in members
+        )
+        for part, members in VECTORS.items()
+    }
+    put_in_place(monkeypatch, "VECTORS", louder)
+    monkeypatch.setitem(STAGES, "extract", replace(STAGES["extract"], oracle=None))
+    before = {path: path.read_bytes() for path in both.rglob("*") if path.is_file()}
+    with pytest.raises(LeakrefError, match="name all of them"):
+        making.regenerate(["extract-lake-hann-nsp"], both)
+    assert {path: path.read_bytes() for path in both.rglob("*") if path.is_file()} == before
+    rows, _ = making.regenerate(["extract-lake-hann-nsp", "extract-lake-hann-ls"], both)
+    assert [row["written"] for row in rows] == [True, True]
+    assert lint(Golden(both)).ok
+    scaled = Golden(both).entry("extract-lake-hann-ls").input["surface"]
+    np.testing.assert_allclose(scaled, 1.001 * Golden().entry("extract-lake-hann-ls").input["surface"])
 
 
 def test_an_entry_more_is_a_row_in_a_table(both, monkeypatch):

@@ -74,8 +74,14 @@ def _write_raw(values: FloatArray, path: Path) -> None:
 def _write(folder: Path, file: str, entries: Sequence[Entry]) -> list[str]:
     """A file of entries and what lies beside it, if they have arrays: an npz, files of float64; the names written.
 
-    Entries that share a file of float64 have to have the same numbers in it, else LeakrefError.
+    Entries that share a file of float64 have to have the same numbers in it, else LeakrefError, and nothing is written.
     """
+    if name := _disputed(entries):
+        raise LeakrefError(
+            "golden.regenerate",
+            f"entries that share {name} have other numbers in it",
+            "name all of them, so that all are made again, or give each file a name of its own",
+        )
     content = {"schema": f"leakref/golden-entries/{SCHEMA_VERSION}", "entries": [dict(e.record) for e in entries]}
     write_whole(folder / file, partial(_write_text, _text(content) + "\n"))
     used = {archived(value): entry for entry in entries for value in entry.record["input"].values()}
@@ -83,14 +89,22 @@ def _write(folder: Path, file: str, entries: Sequence[Entry]) -> list[str]:
     raw = {name: arrays.pop(name) for name in sorted(arrays) if name.endswith(".f64")}
     names = [file]
     for name, values in raw.items():
-        if any(not np.array_equal(entry.arrays.get(name, values), values) for entry in entries):
-            raise LeakrefError("golden.regenerate", f"two entries have other numbers in {name}", "give each a name")
         names.append((Path(file).parent / name).as_posix())
         write_whole(folder / names[-1], partial(_write_raw, values))
     if arrays:
         names.append(Path(file).with_suffix(".npz").as_posix())
         write_whole(folder / names[-1], lambda path: np.savez(path, **{n: arrays[n] for n in sorted(arrays)}))  # type: ignore[arg-type]
     return names
+
+
+def _disputed(entries: Sequence[Entry]) -> str:
+    """The name of a file of float64 of which the entries that share it do not have the same numbers; empty if none."""
+    shared: dict[str, FloatArray] = {}
+    for entry in entries:
+        for name in filter(None, map(archived, entry.record["input"].values())):
+            if not np.array_equal(shared.setdefault(name, entry.arrays[name]), entry.arrays[name]):
+                return name
+    return ""
 
 
 def _number(folder: Path) -> int | None:
@@ -184,6 +198,7 @@ def regenerate(
     vectors = {v.id: v for members in VECTORS.values() for v in members}
     rows: list[dict[str, Any]] = []
     beside = dict(old)
+    unsaved: set[str] = set()
     for record in make(chosen, old, work, workers, step):
         record = json.loads(json.dumps(to_json(record)))
         if record["stage"] == "ensemble":
@@ -199,8 +214,13 @@ def regenerate(
         beside[new.id] = new
         if take:
             old[new.id] = new
+            unsaved.add(new.file)
+        if take and not _disputed([e for e in old.values() if e.file == new.file]):
             _save(folder, old, possible, new.file)  # at once: an interrupted run keeps what it has made
             _write_manifest(folder)
+            unsaved.remove(new.file)
+    for file in sorted(unsaved):  # of a cube that several share some were made and some not
+        _save(folder, old, possible, file)
     if wanted:
         return rows, True
     changed = {row["id"] for row in rows if row["change"] != "same"}

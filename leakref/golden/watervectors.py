@@ -40,8 +40,8 @@ TENSION = 7.3e-5
 """Of clean water at 20 degrees over its density, m3 / s2: it is felt by waves shorter than 0.3 m."""
 TANK = Grid((20, 17, 48), (0.009, 0.008, 0.021))  # in metres and seconds: waves of 3 to 6 cm
 FIELD = Grid((15, 12, 44), (3.0, 2.6, 0.35))  # the same of 10 to 25 m
-WIDE = Grid((15, 12, 40), (0.95, 0.9, 0.6))  # odd, even, even
-FINE = Grid((26, 11, 40), (0.5, 1.1, 0.6))  # dx is less than half of dy
+WIDE = Grid((17, 16, 40), (0.9, 0.85, 0.6))  # odd, even, even
+FINE = Grid((28, 14, 40), (0.5, 1.05, 0.6))  # dx is less than half of dy
 UNITS, SEA, SEARCH, PROFILE = ("D26",), ("D26", "D27", "D28"), ("D2", "D6", "D18", "D29"), ("D30",)
 
 
