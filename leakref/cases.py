@@ -1,8 +1,9 @@
-"""The paper's cases as data (tab:case_collection).
+"""The paper's cases as data (tab:case_collection), and those of other water.
 
 Each case of tab:case_collection is a tuple of configurations, one for each line of a figure. All that the paper leaves
-open about them is a decision (D9 to D13, D22, D23). The seas that only the claims need are in `claims.configurations`;
-nothing is computed here but grids and currents.
+open about them is a decision (D9 to D13, D22, D23). `PAPER_CASES` has the paper's cases and no other, `CASES` has
+besides the case `depth`, which is not the paper's (D31). The seas that only the claims need are in
+`claims.configurations`; nothing is computed here but grids and currents.
 
 An id is the case and what varies in it, as `leakref reproduce --list` prints them: `nsp-ls`,
 `gamma/spread=15,peakedness=7`, `U/rotation=30,current=0.15,current_direction=0`.
@@ -21,11 +22,11 @@ import numpy as np
 from leakref._base import FloatArray, LeakrefError, finite, positive
 from leakref.chain import shell_wavenumbers
 from leakref.currents import UniformCurrent
-from leakref.dispersion import Water
+from leakref.dispersion import DEEP, Water
 from leakref.grid import Grid
 from leakref.sea import Components, SeaState
 
-__all__ = ["CASES", "REALIZATIONS", "SHELLS", "Configuration", "configurations"]
+__all__ = ["ASSUMED_DEEP", "CASES", "PAPER_CASES", "REALIZATIONS", "SHELLS", "Configuration", "configurations"]
 
 SHELLS = (0.4, 3.5)
 """The first and the last wavenumber of the paper's shells, in k0 (decision D9)."""
@@ -57,6 +58,7 @@ class Configuration:
     - `peakedness`: gamma of eq:JONSWAP; `speed`: in `c0`.
     - `current_direction`: where the current goes to, before the rotation.
     - `depth`: k0 h, infinite in deep water; `surface_tension`: S k0^2 / g, S over density.
+    - `assumed`: the water in which velocities are measured, if it is another than the waves are in: a mistake.
     - `windows`: under which velocities are measured.
 
     LeakrefError is raised for angles or speeds that are not finite, and for sizes that are not positive.
@@ -73,6 +75,7 @@ class Configuration:
     rotation: float = 0.0
     depth: float = np.inf
     surface_tension: float = 0.0
+    assumed: Water | None = None
     windows: tuple[str, ...] = ("box", "hann")
     varied: tuple[str, ...] = ()
     """The parameters that tell the configurations of a case apart: those in its id."""
@@ -87,9 +90,11 @@ class Configuration:
 
     @property
     def id(self) -> str:
-        """For instance `gamma/spread=15,peakedness=7`."""
-        values = ",".join(f"{_SHORT[name]}={getattr(self, name):g}" for name in self.varied)
-        return f"{self.case}/{values}" if values else self.case
+        """For instance `gamma/spread=15,peakedness=7`, or `depth/kh=1,assumed=deep` where another depth is assumed."""
+        values = [f"{_SHORT[name]}={getattr(self, name):g}" for name in self.varied]
+        if self.assumed is not None:
+            values.append("assumed=deep" if self.assumed == DEEP else f"assumed={self.assumed.depth:g}")
+        return f"{self.case}/{','.join(values)}" if values else self.case
 
     @cached_property
     def grid(self) -> Grid:
@@ -103,6 +108,11 @@ class Configuration:
     def water(self) -> Water:
         """The law of dispersion, in scaled units. Raises LeakrefError for a depth or tension that is none."""
         return Water(depth=self.depth, surface_tension=self.surface_tension)
+
+    @property
+    def measured_in(self) -> Water:
+        """The water in which velocities are looked for: its own, unless another one is assumed."""
+        return self.water if self.assumed is None else self.assumed
 
     @property
     def wavenumbers(self) -> FloatArray:
@@ -140,7 +150,7 @@ def _with_currents(rotation: float) -> tuple[Configuration, ...]:
     return _vary(base, speed=(0.0,)) + _vary(base, speed=speeds, current_direction=(90.0, 0.0, -90.0))
 
 
-CASES: dict[str, tuple[Configuration, ...]] = {
+PAPER_CASES: dict[str, tuple[Configuration, ...]] = {
     "nsp-ls": (Configuration("nsp-ls", direction=75.0),),
     "theta0-dtheta": _vary(
         Configuration("theta0-dtheta"), direction=(60.0, 75.0, 90.0), spread=(15.0, 30.0, 45.0, 60.0)
@@ -150,15 +160,22 @@ CASES: dict[str, tuple[Configuration, ...]] = {
     "U": _with_currents(0.0) + _with_currents(30.0),
     "windows": (Configuration("windows", windows=("box", "hann", "blackman", "kaiser-bessel")),),
 }
-"""Every configuration of every case by the case's id."""
+"""Every configuration of every case of the paper by the case's id."""
+CASES: dict[str, tuple[Configuration, ...]] = {
+    **PAPER_CASES,
+    "depth": _vary(Configuration("depth"), depth=(0.7, 1.0, 1.5, 2.0)),
+}
+"""The same with case depth: the paper's own sea and domain over a bottom that is known (decision D31)."""
+ASSUMED_DEEP = tuple(replace(c, assumed=DEEP) for c in CASES["depth"])
+"""The seas of case depth as they are measured by whoever takes the water for deep."""
 
 
 def configurations(ids: Iterable[str]) -> list[Configuration]:
     """The configurations named by `ids`, each of a case or of one configuration, in order and once.
 
-    Raises LeakrefError for an unknown id, with those that come close.
+    Those of `ASSUMED_DEEP` are named one by one. Raises LeakrefError for an unknown id, with those that come close.
     """
-    known = {c.id: c for members in CASES.values() for c in members}
+    known = {c.id: c for members in (*CASES.values(), ASSUMED_DEEP) for c in members}
     chosen: dict[str, Configuration] = {}
     for name in ids:
         found = list(CASES.get(name, ())) or ([known[name]] if name in known else [])

@@ -136,12 +136,13 @@ def realize(
 ) -> dict[tuple[str, str], Extraction]:
     """One realisation: an Extraction for each (window, method), by route A (surface and FFT) or B (closed form).
 
-    Route A is the plain chain, route B its compiled twin. Both look for waves in the configuration's own water.
+    Route A is the plain chain, route B its compiled twin. Both look for waves in the water that the configuration says
+    they are looked for in, its own unless a mistake is to be shown.
 
     `realization` counts from 0. Both routes give velocities that agree to about 1e-11 `c0` where there is no note.
     """
     waves, grid, k = configuration.components(realization), configuration.grid, configuration.wavenumbers
-    water = configuration.water
+    water = configuration.measured_in
     if route == "B":
         return fast.realize(waves, grid, k, windows=configuration.windows, methods=methods, water=water)
     spectra = transform(waves, grid, configuration.windows, route=route)

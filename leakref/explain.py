@@ -108,7 +108,7 @@ def _text(value: Any) -> str:
 
 
 def _list(*, json: bool) -> bool:
-    """All ids there are, but for those of the golden values (`golden/v1/manifest.json`)."""
+    """All ids there are, but for those of the golden values (in the sets' manifests)."""
     ids = list(dict.fromkeys(_names()))
     if json:
         print(dump(envelope("explain", True, ids=ids)))
@@ -314,6 +314,6 @@ def _golden(identifier: str) -> Explanation | None:
         "equation": kept("equation"),
         "difficulty": kept("difficulty"),
         "decisions": kept("decisions"),
-        "file": f"golden/v1/{entry.file}",
+        "file": f"golden/{entry.folder}/{entry.file}",
         "outputs": list(entry.output),
     }

@@ -1,16 +1,21 @@
 """The paper's table as data."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from leakref import LeakrefError
-from leakref.cases import CASES, Configuration, configurations
+from leakref.cases import ASSUMED_DEEP, CASES, PAPER_CASES, Configuration, configurations
+from leakref.dispersion import DEEP, Water
 
 ALL = [c for members in CASES.values() for c in members]
 
 
 def test_the_cases_are_those_of_the_paper():
-    assert list(CASES) == ["nsp-ls", "theta0-dtheta", "gamma", "L-T", "U", "windows"]
+    assert list(PAPER_CASES) == ["nsp-ls", "theta0-dtheta", "gamma", "L-T", "U", "windows"]
+    assert list(CASES) == [*PAPER_CASES, "depth"]
+    assert {c.water for members in PAPER_CASES.values() for c in members} == {DEEP}
     assert len({c.id for c in ALL}) == len(ALL)
     assert "gamma/spread=15,peakedness=7" in {c.id for c in ALL}
     (base,) = CASES["nsp-ls"]
@@ -51,6 +56,32 @@ def test_a_rotated_configuration_is_the_same_sea_and_current_turned():
         for s in (a, b)
     ]
     np.testing.assert_allclose(*at_centre, atol=1e-11)
+
+
+def test_case_depth_is_the_paper_s_own_sea_over_a_bottom():
+    """The same domain, lattice and phases (decision D31): only the water is another."""
+    assert [c.id for c in CASES["depth"]] == ["depth/kh=0.7", "depth/kh=1", "depth/kh=1.5", "depth/kh=2"]
+    (own,) = configurations(["theta0-dtheta/direction=90,spread=60"])
+    deep = own.components(0)
+    for c in CASES["depth"]:
+        assert replace(c, case=own.case, depth=np.inf, varied=own.varied) == own
+        assert c.water == c.measured_in == Water(depth=c.depth)
+        over = c.components(0)  # at some of the longest there is no energy left, or none in deep water
+        shared = {(x, y): w for x, y, w in zip(deep.kx, deep.ky, zip(deep.omega, deep.phase, strict=True), strict=True)}
+        both = [n for n, at in enumerate(zip(over.kx, over.ky, strict=True)) if at in shared]
+        assert len(both) > 0.99 * deep.kx.size
+        omega, phase = np.array([shared[over.kx[n], over.ky[n]] for n in both]).T
+        np.testing.assert_array_equal(over.phase[both], phase)
+        kh = np.hypot(over.kx, over.ky)[both] * c.depth
+        np.testing.assert_allclose(over.omega[both], omega * np.sqrt(np.tanh(kh)), rtol=1e-14)
+
+
+def test_the_same_seas_taken_for_deep_are_configurations_of_their_own():
+    for c, known in zip(ASSUMED_DEEP, CASES["depth"], strict=True):
+        assert (c.id, c.water, c.measured_in) == (f"{known.id},assumed=deep", known.water, DEEP)
+        assert configurations([c.id]) == [c]
+    assert not set(ASSUMED_DEEP) & set(configurations(["depth"]))
+    assert replace(CASES["depth"][0], assumed=Water(depth=3.0)).id == "depth/kh=0.7,assumed=3"
 
 
 def test_unknown_cases_are_refused_with_what_comes_close():

@@ -615,18 +615,29 @@ def test_conformance_is_to_the_golden_set_that_was_asked_for(tmp_path, monkeypat
     from leakref.golden import making
 
     with resources.as_file(resources.files("leakref._golden").joinpath("v1")) as first:
-        shutil.copytree(first, tmp_path / "v2")
-    path = tmp_path / "v2" / "vectors" / "window.json"
+        shutil.copytree(first, tmp_path / "v3")
+    path = tmp_path / "v3" / "vectors" / "window.json"
     path.write_text(
         path.read_text(encoding="utf-8").replace("0.18825509907063323", "0.19825509907063323"), encoding="utf-8"
     )
-    making._write_manifest(tmp_path / "v2")  # a set that was made so; one that was edited is not read
+    making._write_manifest(tmp_path / "v3")  # a set that was made so; one that was edited is not read
     usual = conformance.locate
-    monkeypatch.setattr(conformance, "locate", lambda n: usual(n) if n == 1 else tmp_path / f"v{n}")
-    for number, verdict in ((1, "pass"), (2, "fail")):
+    monkeypatch.setattr(conformance, "locate", lambda n: usual(n) if n < 3 else tmp_path / f"v{n}")
+    for number, verdict in ((1, "pass"), (2, "pass"), (3, "fail")):
         (pair,) = select(["conformance.window[window-hann-7]"], golden=number)
         assert pair[0](InProcess(Reference()), pair[1]).verdict == verdict
-    assert len(select(golden=2)) == len(select())
+    assert len(select(golden=1)) == len(select(golden=3)) < len(select(golden=2)) == len(select())
+
+
+def test_the_second_set_asks_more_of_deep_water_and_nothing_of_other():
+    new = {f"{c.id}[{case.id}]" for c, case in select()} - {f"{c.id}[{case.id}]" for c, case in select(golden=1)}
+    assert len([i for i in new if i.startswith("conformance.extract[extract-wide-")]) == 8  # four windows, two methods
+    assert {i.rpartition("-")[2] for i in new} == {"nsp]", "ls]"}
+    assert not [i for i in new for word in ("depth", "lake", "tank", "film", "capillary") if word in i]
+    assert {i.partition("[")[0] for i in new} == {"conformance.extract"}
+    for identifier in sorted(new):
+        ((c, case),) = select([identifier])
+        assert c(InProcess(Reference()), case).verdict == "pass", identifier
 
 
 class Square(Reference):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from leakref import LeakrefError
-from leakref.cases import CASES, Configuration
+from leakref.cases import PAPER_CASES, Configuration
 from leakref.claims import CLAIMS, EXTRA, Evidence, command, select, words
 from leakref.claims.evidence import PLAIN, Setting
 from leakref.claims.stored import by_line, stored_claim, stored_claims
@@ -35,7 +35,7 @@ def test_every_statement_of_the_list_is_a_claim():
 
 
 def test_extra_configurations_are_none_of_the_table():
-    table, extra = ([c.id for members in cases.values() for c in members] for cases in (CASES, EXTRA))
+    table, extra = ([c.id for members in cases.values() for c in members] for cases in (PAPER_CASES, EXTRA))
     assert len(set(extra)) == len(extra)
     assert not set(extra) & set(table)
     assert {c.duration for c in EXTRA["L-T"]} == {5.0, 40.0}
@@ -54,7 +54,7 @@ def test_seas_are_those_of_the_table_to_the_letter():
     recorder = Recorder(paper)
     for claim in CLAIMS.values():
         claim.judge(recorder)
-    known = {repr(c) for members in (*CASES.values(), *EXTRA.values()) for c in members}
+    known = {repr(c) for members in (*PAPER_CASES.values(), *EXTRA.values()) for c in members}
     assert {repr(c) for c in asked} == known
 
 

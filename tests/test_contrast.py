@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from leakref import Components, Grid, SeaState, fourier, leakage, synthesize
-from leakref.cases import CASES, Configuration
+from leakref.cases import PAPER_CASES, Configuration
 from leakref.chain import analyse, shell_wavenumbers
 from leakref.cubes import causes, contrast
 from leakref.cubes.cube import Cube
@@ -17,7 +17,7 @@ from leakref.cubes.screen import shells_with_signal
 from leakref.cubes.wavenumbers import default_wavenumbers
 from leakref.dispersion import DEEP, Water
 
-SEAS = [c for members in CASES.values() for c in members]
+SEAS = [c for members in PAPER_CASES.values() for c in members]
 QUICK = [
     Configuration("quick", length=5, duration=10, direction=75, spread=60),
     Configuration("quick", length=5, duration=10, direction=60, spread=15, peakedness=7),

@@ -12,7 +12,7 @@ import pytest
 
 from leakref import LeakrefError, fast
 from leakref.altered import altered
-from leakref.cases import CASES, Configuration
+from leakref.cases import PAPER_CASES, Configuration
 from leakref.certify.runner import select
 from leakref.certify.subject.inprocess import InProcess
 from leakref.certify.subject.named import Named
@@ -101,7 +101,7 @@ def test_a_variant_is_the_same_in_the_compiled_and_in_the_literal_chain(id, refe
 def test_every_decision_has_a_variant_or_a_reason_for_none():
     assert {v.decision for v in VARIANTS.values()} | set(NONE) == set(DECISIONS)
     assert not {v.decision for v in VARIANTS.values()} & set(NONE)
-    known = {c.id for members in CASES.values() for c in members}
+    known = {c.id for members in PAPER_CASES.values() for c in members}
     assert set(CONFIGURATIONS) <= known
     assert len(set(CONFIGURATIONS)) == 8
     for variant in VARIANTS.values():
@@ -109,10 +109,10 @@ def test_every_decision_has_a_variant_or_a_reason_for_none():
 
 
 def test_the_reasons_for_no_effect_are_true():
-    grids = [c.grid for members in CASES.values() for c in members]
+    grids = [c.grid for members in PAPER_CASES.values() for c in members]
     assert all(grid.bin_widths[0] == grid.bin_widths[1] for grid in grids)  # D20
     assert all(3.5 + 2 * grid.wavenumber_resolution < 0.6 * grid.nyquist[0] for grid in grids)  # D24
-    assert {c.water for members in CASES.values() for c in members} == {DEEP}  # D26 to D30
+    assert {c.water for members in PAPER_CASES.values() for c in members} == {DEEP}  # D26 to D31
     values = np.random.default_rng(1).normal(1, 0.1, (100, 3, 2))
     e = ensemble(values)
     assert e.random / np.std(e.magnitudes, axis=0) == pytest.approx(np.sqrt(100 / 99))  # D12, 0.5 %
@@ -303,7 +303,7 @@ FINEST = min(
     float(
         min(map(np.min, velocity_resolutions(c.wavenumbers, c.grid.wavenumber_resolution, c.grid.frequency_resolution)))
     )
-    for c in CASES["L-T"]
+    for c in PAPER_CASES["L-T"]
 )
 PRECISION = 2e-11  # c0: the difference of two velocities, each of which another processor rounds within 1e-11
 

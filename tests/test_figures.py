@@ -16,7 +16,7 @@ from test_shear_case import SHEARED, measured
 from typer.testing import CliRunner
 
 from leakref import bench, figures
-from leakref.cases import CASES
+from leakref.cases import PAPER_CASES
 from leakref.certify import bias
 from leakref.chain import analyse
 from leakref.claims import CLAIMS
@@ -147,8 +147,8 @@ def golden():
 
 
 def test_stored_results_are_complete(golden):
-    assert {e.configuration.id for e in golden} == {c.id for members in CASES.values() for c in members}
-    assert len(golden) == 2 * sum(len(c.windows) for members in CASES.values() for c in members)
+    assert {e.configuration.id for e in golden} == {c.id for members in PAPER_CASES.values() for c in members}
+    assert len(golden) == 2 * sum(len(c.windows) for members in PAPER_CASES.values() for c in members)
 
 
 @pytest.mark.parametrize(

@@ -1,10 +1,12 @@
-"""The golden set: whole, reproduced, impossible to change unseen, and sharp enough to see a constant off by 1 %."""
+"""The golden sets: whole, reproduced, impossible to change unseen, and sharp enough to see a constant off by 1 %."""
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import shutil
+import struct
 import subprocess
 import sys
 from contextlib import contextmanager
@@ -22,15 +24,18 @@ from test_faults import PINNED
 import leakref
 from leakref import LeakrefError
 from leakref._base import Damaged
+from leakref.certify.commands import Request
+from leakref.cli.base import NEWEST_GOLDEN
 from leakref.golden import entries, ids, making, records, same, sets, verifying
-from leakref.golden.digests import strict
+from leakref.golden.defined import TABLES, VECTORS
+from leakref.golden.digests import digest, strict
 from leakref.golden.linting import lint
 from leakref.golden.sets import Entry, Golden, compare
 from leakref.golden.stages import STAGES
-from leakref.golden.vectors import VECTORS
+from leakref.window import WINDOWS
 
 pytestmark = pytest.mark.stored
-SET = Path(str(sets.locate()))
+SET, NEW = (Path(str(sets.locate(number))) for number in (1, 2))
 ALL = list(Golden().entries())
 HOUSE = Path(leakref.__file__).parent
 WITNESSED = (
@@ -42,6 +47,13 @@ WITNESSED = (
     "nsp-half-bin",
     "ls-threshold",
     "figures-hann",
+    "dispersion-film",
+    "doppler-exponential-equal",
+    "kernel-depth-0.7",
+    "depth-factor-film",
+    "components-depth-0.7",
+    "nsp-capillary",
+    "ls-depth-0.7",
 )
 
 
@@ -60,8 +72,91 @@ def some(values, reason):
 def test_the_set_is_whole_and_unchanged():
     report = lint()
     assert report.ok, "\n".join(map(str, report.failures))
-    states = {row["name"]: row["state"] for row in report.sets}
-    assert states["vectors"] == states["analytic"] == "complete"
+    states = {(row["set"], row["name"]): row["state"] for row in report.sets}
+    assert states == {
+        **{("v1", part): "complete" for part in sets.SETS},
+        **{("v2", part): "complete" if part != "analytic" else "absent" for part in sets.SETS},
+    }
+
+
+FIRST = "839e42dabcc388f957bb898c2d2abf31706aa4ab8e3b96b41b72fd96abeafbd3"
+
+
+def test_the_first_set_is_as_it_was_released():
+    """Byte for byte: this is the digest of its manifest, and the manifest has those of all its files."""
+    assert hashlib.sha256((SET / "manifest.json").read_bytes()).hexdigest() == FIRST
+    assert lint(Golden(SET)).ok
+    assert sorted(p.name for p in SET.iterdir()) == sorted([*sets.SETS, "manifest.json", "schema.json"])
+    assert len(list(Golden(SET).entries())) == 438
+    assert not [e.id for e in ALL if e.folder == "v1" and {"depth", "surface_tension"} & e.record["input"].keys()]
+
+
+def test_the_second_set_holds_what_is_new_and_gives_the_first_as_well():
+    new = Golden(NEW)
+    assert new.manifest["extends"] == {"set": "v1", "sha256": Golden(SET).manifest["sha256"]}
+    first, second = ({e.id for e in Golden(folder).own()} for folder in (SET, NEW))
+    assert not first & second
+    assert {e.id for e in new.entries()} == {e.id for e in ALL} == first | second
+    assert len(ALL) == len(first) + len(second)
+    for identifier in ("window-hann-7", "nsp-film"):
+        assert new.entry(identifier).folder == ("v1" if identifier in first else "v2")
+    assert {e.folder for e in new.file("vectors/nsp.json")} == {"v1", "v2"}
+    assert {e.folder for e in Golden(SET).file("vectors/nsp.json")} == {"v1"}
+    with pytest.raises(LeakrefError, match="no golden value is called"):
+        Golden(SET).entry("nsp-film")
+    assert ids.ids(*sets.SETS, number=1).keys() == first
+    assert ids.ids(*sets.SETS, number=2).keys() == second
+    assert ids.ids(*sets.SETS).keys() == first | second
+
+
+def test_the_newest_set_is_what_is_used_where_none_is_named():
+    assert sets.NEWEST == NEWEST_GOLDEN == max(TABLES) == Request("reference", None).golden
+    assert Golden().folder.name == "v2"
+    assert sorted(p.name for p in NEW.parent.iterdir() if p.name.startswith("v")) == ["v1", "v2"]
+
+
+def test_water_is_in_every_stage_that_it_enters():
+    """At every depth, with tension, in every way that a velocity is found."""
+    water = [e for e in ALL if {"depth", "surface_tension"} & e.record["input"].keys()]
+    by_stage = {}
+    for e in water:
+        by_stage.setdefault(e.stage, []).append(e)
+    assert set(by_stage) == {
+        "dispersion", "resolutions", "kernel", "doppler", "depth-factor", "water-units", "components", "shell",
+        "characteristic", "score", "derivatives", "nsp", "ls", "extract", "realization", "ensemble",
+    }  # fmt: skip
+    for stage in ("dispersion", "kernel", "doppler", "depth-factor", "components", "nsp", "ls", "extract"):
+        assert {0.7, 1.2, 2.0} <= {e.record["input"].get("depth") for e in by_stage[stage]}, stage
+    for stage in ("dispersion", "shell", "characteristic", "score", "nsp", "ls", "extract"):
+        si = [e.record["input"] for e in by_stage[stage] if e.record["input"].get("surface_tension")]
+        k = np.concatenate([np.atleast_1d(given.get("wavenumbers", given.get("wavenumber"))) for given in si])
+        assert ((k > 2 * np.pi / 0.1 - 1) & (k < 2 * np.pi / 0.02 + 1)).all()  # 2 to 10 cm
+
+
+def test_there_are_cubes_of_all_windows_and_methods():
+    cubes = [e for e in ALL if e.stage == "extract"]
+    assert len(cubes) >= 20
+    deep = [e for e in cubes if not {"depth", "surface_tension"} & e.record["input"].keys()]
+    assert {(e.record["input"]["window"], e.record["input"]["method"]) for e in deep} == {
+        (window, method) for window in WINDOWS for method in ("nsp", "ls")
+    }
+    assert sum(path.stat().st_size for path in NEW.rglob("*") if path.is_file()) < 6e6
+
+
+def test_a_raw_surface_is_what_its_name_and_shape_say():
+    """Little-endian float64, eta[x][y][t] with t running fastest."""
+    for e in (e for e in ALL if e.stage == "extract" and e.folder == "v2"):
+        said = e.record["input"]["surface"]
+        raw = (NEW / "vectors" / said["f64"]).read_bytes()
+        assert said["shape"] == e.record["input"]["shape"]
+        assert len(raw) == 8 * np.prod(said["shape"])
+        x, y, t = 3, 2, 5
+        _, ny, nt = said["shape"]
+        (value,) = struct.unpack_from("<d", raw, 8 * ((x * ny + y) * nt + t))
+        assert value == e.input["surface"][x, y, t]
+        dx, dy, dt = e.record["input"]["spacing"]
+        kx, ky, omega, a, phase = (np.array(e.input[n]) for n in ("kx", "ky", "omega", "amplitude", "phase"))
+        assert value == pytest.approx(np.sum(a * np.cos(kx * x * dx + ky * y * dy - omega * t * dt + phase)), abs=1e-12)
 
 
 def test_every_stage_has_vectors_and_every_named_fault_a_vector_that_exists_for_it():
@@ -181,9 +276,18 @@ def test_the_formula_of_the_tolerance():
 
 @pytest.fixture
 def copy(tmp_path):
+    """The first set, by itself."""
     target = tmp_path / "v1"
     shutil.copytree(SET, target)
     return target
+
+
+@pytest.fixture
+def both(tmp_path):
+    """Both sets; the folder of the second."""
+    for folder in (SET, NEW):
+        shutil.copytree(folder, tmp_path / folder.name)
+    return tmp_path / "v2"
 
 
 def leaves(value, path=()):
@@ -206,21 +310,22 @@ def nudged(record, path):
     return record
 
 
-FILES = sorted({e.file for e in ALL})
+FILES = sorted({e.file for e in ALL if e.folder == "v1"})
+NEW_FILES = sorted({e.file for e in ALL if e.folder == "v2"})
 
 
-def changes(file, count):
+def changes(file, count, folder=SET):
     """(id, path, content) for some numbers of a file, evenly over all of them."""
-    content = json.loads((SET / file).read_text(encoding="utf-8"))
+    content = json.loads((folder / file).read_text(encoding="utf-8"))
     paths = list(leaves(content["entries"]))
     for path in [paths[n] for n in np.linspace(0, len(paths) - 1, count).astype(int)]:
         changed = {**content, "entries": nudged(content["entries"], path)}
         yield content["entries"][path[0]]["id"], path, changed
 
 
-def assert_seen(files, copy, count):
+def assert_seen(files, copy, count, folder=SET):
     """One number of each file changed at a time: lint names those ids and no other."""
-    for together in zip(*(changes(file, count) for file in files), strict=True):
+    for together in zip(*(changes(file, count, folder) for file in files), strict=True):
         for file, (_, _, changed) in zip(files, together, strict=True):
             (copy / file).write_text(making._text(changed) + "\n", encoding="utf-8")
         failures = lint(Golden(copy)).failures
@@ -234,6 +339,56 @@ def test_changing_one_number_is_seen_and_named(file, copy):
 
 def test_changing_a_number_of_every_file_is_seen_and_named(copy):
     assert_seen(FILES, copy, 5)
+
+
+def test_changing_a_number_of_every_file_of_the_second_set_is_seen_and_named(both):
+    assert_seen(NEW_FILES, both, 3, NEW)
+
+
+def test_changing_a_number_of_the_first_set_is_seen_through_the_second(both):
+    path = both.parent / "v1" / "vectors" / "window.json"
+    path.write_bytes(path.read_bytes().replace(b"0.1882550990706332", b"0.1882550990806332"))
+    assert {f.id for f in lint(Golden(both)).failures} == {"window-hann-7"}
+    with pytest.raises(Damaged, match=r"vectors/window\.json was changed"):
+        list(Golden(both).entries())
+
+
+def test_a_second_set_without_its_first_or_with_another_is_refused(both):
+    manifest = json.loads((both.parent / "v1" / "manifest.json").read_text(encoding="utf-8"))
+    said = {**{k: v for k, v in manifest.items() if k != "sha256"}, "made_by": "leakref 9"}
+    path = both.parent / "v1" / "manifest.json"
+    path.write_text(json.dumps({**said, "sha256": digest(said)}), encoding="utf-8")
+    (failure,) = lint(Golden(both)).failures
+    assert "v1 is another than the one that v2 extends" in failure.message
+    shutil.rmtree(both.parent / "v1")
+    (failure,) = lint(Golden(both)).failures
+    assert "what it extends cannot be trusted" in failure.message
+    with pytest.raises(Damaged):
+        Golden(both).entry("nsp-film")
+
+
+def test_an_id_of_the_first_set_is_not_used_again_in_the_second(both):
+    path = both / "vectors" / "nsp.json"
+    path.write_text(path.read_text(encoding="utf-8").replace('"nsp-film"', '"nsp-si"'), encoding="utf-8")
+    making._write_manifest(both)
+    assert ("nsp-si", "is there twice, in v1/vectors/nsp.json and in v2/vectors/nsp.json") in {
+        (f.id, f.message) for f in lint(Golden(both)).failures
+    }
+
+
+@pytest.mark.parametrize("harm", ["a bit", "cut", "missing", "added"])
+def test_a_raw_surface_that_was_changed_is_seen_and_not_read(harm, both):
+    path = both / "vectors" / "extract-film.f64"
+    content = bytearray(path.read_bytes())
+    if harm == "a bit":
+        content[len(content) // 2] ^= 1
+    path.write_bytes(content[: len(content) - 8 * (harm == "cut")] + b"12345678" * (harm == "added"))
+    if harm == "missing":
+        path.unlink()
+    failures = lint(Golden(both)).failures
+    assert "extract-film" in " ".join(map(str, failures)), failures
+    with pytest.raises(Damaged, match=r"extract-film\.f64 (was changed|cannot be read)"):
+        Golden(both).entry("extract-film-hann-nsp")
 
 
 @pytest.mark.slow
@@ -323,9 +478,83 @@ def put_in_place(monkeypatch, name, value):
 
 
 def test_writing_what_was_read_gives_the_same_bytes(tmp_path):
-    for file in FILES:
-        for name in making._write(tmp_path, file, [e for e in ALL if e.file == file]):
-            assert (tmp_path / name).read_bytes() == (SET / name).read_bytes(), name
+    for folder, files in ((SET, FILES), (NEW, NEW_FILES)):
+        written = []
+        for file in files:
+            own = [e for e in ALL if (e.folder, e.file) == (folder.name, file)]
+            written += making._write(tmp_path / folder.name, file, own)
+        for name in written:
+            assert (tmp_path / folder.name / name).read_bytes() == (folder / name).read_bytes(), name
+        there = {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
+        assert there == {*written, "manifest.json", "schema.json"}
+
+
+def test_entries_that_share_a_surface_have_to_have_the_same(tmp_path):
+    first, second = (e for e in ALL if e.id in ("extract-lake-hann-nsp", "extract-lake-hann-ls"))
+    other = replace(second, arrays={"extract-lake.f64": second.arrays["extract-lake.f64"] + 1})
+    with pytest.raises(LeakrefError, match=r"share extract-lake\.f64 have other numbers"):
+        making._write(tmp_path, "vectors/extract.json", [first, other])
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_cube_is_replaced_for_all_that_share_it_or_for_none(both, monkeypatch):
+    """Its surface is another one: 1e-3 of it, where 1e-12 is rounding."""
+    louder = {
+        part: tuple(
+            replace(v, input={**v.input, "surface": np.asarray(v.input["surface"]) * 1.001})
+            if v.raw == "extract-lake"
+            else v
+            for v in members
+        )
+        for part, members in VECTORS.items()
+    }
+    put_in_place(monkeypatch, "VECTORS", louder)
+    monkeypatch.setitem(STAGES, "extract", replace(STAGES["extract"], oracle=None))
+    before = {path: path.read_bytes() for path in both.rglob("*") if path.is_file()}
+    with pytest.raises(LeakrefError, match="name all of them"):
+        making.regenerate(["extract-lake-hann-nsp"], both)
+    assert {path: path.read_bytes() for path in both.rglob("*") if path.is_file()} == before
+    rows, _ = making.regenerate(["extract-lake-hann-nsp", "extract-lake-hann-ls"], both)
+    assert [row["written"] for row in rows] == [True, True]
+    assert lint(Golden(both)).ok
+    scaled = Golden(both).entry("extract-lake-hann-ls").input["surface"]
+    np.testing.assert_allclose(scaled, 1.001 * Golden().entry("extract-lake-hann-ls").input["surface"])
+
+
+def test_an_entry_more_is_a_row_in_a_table(both, monkeypatch):
+    """Of a vector; of realisations and ensembles by another method a row of `ids.SEAS`. Nothing else is to be done."""
+    row = replace(next(v for v in VECTORS["vectors"] if v.id == "nsp-film"), id="nsp-film-again")
+    more = {**TABLES, 2: {**TABLES[2], "vectors": (*TABLES[2]["vectors"], row)}}
+    monkeypatch.setattr(ids, "TABLES", more)
+    put_in_place(monkeypatch, "VECTORS", {**VECTORS, "vectors": (*VECTORS["vectors"], row)})
+    rows, settled = making.regenerate(["vectors"], both)
+    assert settled
+    assert [(r["id"], r["change"], r["written"]) for r in rows] == [("nsp-film-again", "new", True)]
+    assert lint(Golden(both)).ok
+    assert Golden(both).entry("nsp-film-again").output["velocities"] == pytest.approx(
+        Golden().entry("nsp-film").output["velocities"]
+    )
+    own = ids.Seas(2, ids.SEAS[0].configurations[:1], ("other",), "others")
+    monkeypatch.setattr(ids, "SEAS", (*ids.SEAS, own))
+    found = ids.ids("realizations", "ensembles", number=2)
+    assert {i for i in found if "nsp-ls" in i} == {
+        "realization-nsp-ls/others/0", "realization-nsp-ls/others/1",
+        "ensemble-nsp-ls/box-other", "ensemble-nsp-ls/hann-other",
+    }  # fmt: skip
+    for identifier in found:
+        assert ids.methods_of(identifier) == (("other",) if "other" in identifier else ("nsp", "ls"))
+        assert ids.configuration_of(identifier).id in identifier
+    assert ids.methods_of("realization-nsp-ls/0") == ids.methods_of("ensemble-nsp-ls/box-ls") == ("nsp", "ls")
+    assert ids.realization_id(own.configurations[0], 1, "other") == "realization-nsp-ls/others/1"
+
+
+def test_what_belongs_to_the_first_set_is_not_written_into_the_second(both):
+    before = {path: path.read_bytes() for path in both.rglob("*") if path.is_file()}
+    with pytest.raises(LeakrefError, match=r"it is of golden/v1: add --golden 1"):
+        making.regenerate(["window-hann-7"], both)
+    assert making.regenerate(["analytic"], both) == ([], True)
+    making._write_manifest(both)
+    assert {path: path.read_bytes() for path in both.rglob("*") if path.is_file()} == before
 
 
 @pytest.fixture
@@ -362,7 +591,7 @@ def test_only_what_is_named_is_replaced(small):
     assert b"0.1882550990806332" in path.read_bytes()
     making.regenerate(["window-hann-7"], folder)
     assert b"0.1882550990806332" not in path.read_bytes()
-    with pytest.raises(LeakrefError, match="no golden value is called 'nonsense'"):
+    with pytest.raises(LeakrefError, match="no golden value of this set is called 'nonsense'"):
         making.regenerate(["nonsense"], folder)
 
 
@@ -393,11 +622,12 @@ SOME = ("jonswap-33", "surface-scattered", "nsp-half-bin", "components-rotated",
 
 
 def set_of(ids, folder):
-    """A set of some entries as they are in the true one."""
+    """A set of some entries as they are in the true one of that name."""
     folder.mkdir()
-    shutil.copy(SET / "schema.json", folder)
-    for file in sorted({e.file for e in ALL if e.id in ids}):
-        making._write(folder, file, [e for e in ALL if e.file == file and e.id in ids])
+    shutil.copy(SET.parent / folder.name / "schema.json", folder)
+    chosen = [e for e in ALL if e.id in ids and e.folder == folder.name]
+    for file in sorted({e.file for e in chosen}):
+        making._write(folder, file, [e for e in chosen if e.file == file])
     making._write_manifest(folder)
     return folder
 
@@ -550,11 +780,20 @@ def test_on_another_processor_nothing_is_proposed(kernel, some_vectors):
     elsewhere(kernel, some_vectors)
 
 
+WET = ("dispersion-film", "doppler-turning-depth", "components-depth-0.7", "nsp-lake", "extract-depth-0.7-hann-nsp")
+
+
+@pytest.mark.parametrize("kernel", ["Prescott", "Haswell"])
+def test_on_another_processor_nothing_of_the_second_set_is_proposed(kernel, tmp_path):
+    elsewhere(kernel, set_of(WET, tmp_path / "v2"))
+
+
 @pytest.mark.slow
+@pytest.mark.parametrize("name", ["v1", "v2"])
 @pytest.mark.parametrize("kernel", ["Prescott", "Nehalem", "Haswell"])
-def test_on_another_processor_nothing_of_all_stages_is_proposed(kernel, tmp_path):
+def test_on_another_processor_nothing_of_all_stages_is_proposed(kernel, name, tmp_path):
     ids = {e.id for e in ALL if e.stage in STAGES} | {f"realization-L-T/L=5,T=10/{n}" for n in (0, 1)}
-    elsewhere(kernel, set_of(ids, tmp_path / "v1"))
+    elsewhere(kernel, set_of(ids, tmp_path / name))
 
 
 def test_routes_that_disagree_make_nothing(monkeypatch, tmp_path):
@@ -628,6 +867,9 @@ def test_lint_and_verify_on_the_command_line(copy):
     printed = json.loads(done.stdout)
     assert (done.returncode, printed["ok"], printed["failures"]) == (0, True, [])
     assert printed["values"] == sum(row["values"] for row in printed["sets"]) > 1000
+    assert [row["set"] for row in printed["sets"]] == ["v1"] * 4 + ["v2"] * 4 + [""]
+    first = json.loads(command("golden", "lint", "--golden", 1, "--json").stdout)
+    assert [row["set"] for row in first["sets"]] == ["v1"] * 4 + [""]
     (copy / "vectors" / "window.json").unlink()
     for word, status in (("lint", 1), ("verify", 3)):
         done = command("golden", word, "--set", copy, "--json")
@@ -682,8 +924,30 @@ PERCENT = [  # module, where in its source, the number to be 1 % off, the stage 
     ("nsp", "(16 * z**2 - 4)", "16", "derivatives"),
     ("nsp", "(16 * z**2 - 4)", "4)", "derivatives"),
     ("leastsquares", "THRESHOLD = 0.2", "0.2", "ls"),
+    ("dispersion", "(1 + 3 * tension)", "3", "dispersion"),
+    ("dispersion", "np.clip(2 * kh", "2", "dispersion"),
+    ("dispersion", "tanh**2 / (1 + ratio)", "2", "components"),
+    ("dispersion", "g * length**2)", "2)", "water-units"),
+    ("currents", "np.exp(-4 * k * (z", "4", "kernel"),
+    ("currents", "-np.expm1(-4 * k * water", "4", "kernel"),
+    ("currents", "-np.expm1(-2 * qh) * share", "2", "doppler"),
 ]
-REWRITTEN = [  # constants that are no number in the source, or whose hundredth part is nothing
+REWRITTEN = [  # constants that are no number in the source, or whose hundredth part is nothing; mistakes about water
+    ("dispersion", "np.sqrt((1 + tension) * tanh)", "np.sqrt(1 + tension) * tanh", "dispersion"),  # outside the root
+    ("dispersion", "k**2 * self.surface_tension", "k * self.surface_tension", "dispersion"),  # k^2 for k^3
+    ("dispersion", "self.surface_tension / self.gravity", "self.surface_tension", "dispersion"),
+    ("dispersion", "kh, tension = k * min(", "kh, tension = k / 2 / np.pi * min(", "dispersion"),  # k in cycles
+    ("dispersion", "(1 + tension) + ratio,", "(1 + tension),", "dispersion"),  # the group velocity of deep water
+    ("currents", "np.asarray(self.shear) * np.tanh(k * water.depth)", "np.asarray(self.shear)", "doppler"),
+    ("currents", "if water.depth == np.inf:\n            return np", "if True:\n            return np", "doppler"),
+    ("currents", "qh / -np.expm1(-2 * qh) * share", "ph / -np.expm1(-2 * qh) * share", "doppler"),  # p for q
+    ("currents", "np.exp(-(qh + np.minimum(ph, qh)))", "np.exp(-(ph + np.minimum(ph, qh)))", "doppler"),
+    ("currents", "* (1 + np.exp(-4 * k * (z + water.depth)))", "", "kernel"),
+    ("sea", "* water.depth_factor(k)", "", "components"),  # the factor of TMA
+    ("sea", "self.current, k, water)", "self.current, k, DEEP)", "components"),  # the depth in omega0 alone
+    ("sea", "water.frequency(k) / peak", "water.frequency(k)", "components"),
+    ("sea", "omega = water.frequency(k) +", "omega = DEEP.frequency(k) +", "components"),
+    ("shell", "water.frequency(k[a, b])", "Water(water.gravity).frequency(k[a, b])", "shell"),
     (
         "dispersion",
         "np.sqrt(self.gravity * np.asarray(wavenumber, dtype=np.float64))",

@@ -75,6 +75,21 @@ def test_a_file_that_was_changed_is_not_read(harm, copy):
         list(golden.entries())
 
 
+@pytest.mark.parametrize("harm", HARMS)
+def test_a_file_of_the_second_set_that_was_changed_is_not_read(harm, copy):
+    HARMS[harm](copy / "v2/vectors/dispersion.json")
+    golden = Golden(copy / "v2")
+    with pytest.raises(Damaged, match=r"vectors/dispersion\.json (was changed|cannot be read)"):
+        golden.entry("dispersion-film")
+    with pytest.raises(Damaged):
+        golden.file("vectors/dispersion.json")
+    assert golden.entry("nsp-film").values
+    assert golden.entry("dispersion-si").values
+    assert Golden(copy / "v1").file("vectors/dispersion.json")
+    with pytest.raises(Damaged):
+        list(golden.entries())
+
+
 @pytest.mark.parametrize("harm", ["one digit", "missing", "no JSON"])
 def test_an_archive_that_was_changed_is_not_read(harm, copy):
     path = copy / "v1/vectors/extract.npz"
@@ -144,6 +159,7 @@ def test_no_code_is_judged_by_a_set_that_was_changed(installed):
         ("missing", "certify", "reference"),
         ("one digit", "golden", "verify"),
         ("one digit", "explain", "window-hann-7"),
+        ("one digit", "golden", "verify", "--golden", "1"),
     ):
         (golden / "v1/vectors/window.json").write_bytes(whole)
         HARMS[harm](golden / "v1/vectors/window.json")
@@ -153,6 +169,28 @@ def test_no_code_is_judged_by_a_set_that_was_changed(installed):
         assert "Traceback" not in done.stderr
         assert "conformant" not in done.stdout + done.stderr
     assert run("golden", "lint").returncode == 1
+
+
+def test_no_code_is_judged_by_a_second_set_that_was_changed(installed):
+    golden, run = installed
+    for name in ("v2/vectors/extract-wide.f64", "v2/vectors/nsp.json", "v2/manifest.json"):
+        whole = (golden / name).read_bytes()
+        one_bit(golden / name)
+        for words in (("certify", "reference", "--only", "conformance"), ("golden", "verify")):
+            done = run(*words)
+            assert done.returncode == 3, (name, words, done.stdout, done.stderr)
+            assert name.rpartition("/")[2].partition(".")[0] in done.stdout + done.stderr
+            assert "Traceback" not in done.stderr
+        (golden / name).write_bytes(whole)
+    (golden / "v2/vectors/nsp.json").unlink()
+    assert run("golden", "lint", "--golden", "1").returncode == 0
+    assert run("golden", "lint").returncode == 1
+
+
+def one_bit(path):
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2] ^= 1
+    path.write_bytes(content)
 
 
 def test_no_result_is_shown_that_was_changed(installed):

@@ -92,11 +92,59 @@ def snippet(language: str) -> str:
     return readme.partition(f"```{language}\n")[2].partition("```")[0]
 
 
-def test_golden_values_are_read_as_the_readme_says(octave, tmp_path):
+@pytest.fixture
+def beside_golden(tmp_path):
+    """A folder with `golden/` in it, as the README's snippets want it."""
     (tmp_path / "golden").mkdir()
-    (tmp_path / "golden" / "v1").symlink_to(str(locate(1)))
-    *w, allowed = map(float, octave(snippet("matlab") + 'printf("%.17g ", w, allowed);', tmp_path).split())
+    for number in (1, 2):
+        (tmp_path / "golden" / f"v{number}").symlink_to(str(locate(number)))
+    return tmp_path
+
+
+LOOKED_AT = (3, 1, 7)
+CUBE = Golden().file("vectors/extract.json")[2].input["surface"]  # the first of v2: v1 has two
+
+
+def test_golden_values_are_read_as_the_readme_says(octave, beside_golden):
+    x, y, t = (n + 1 for n in LOOKED_AT)
+    code = f'printf("%d ", size(eta)); printf("%.17g ", eta({x}, {y}, {t}), eta(end), w, allowed);'
+    found = list(map(float, octave(snippet("matlab") + code, beside_golden).split()))
+    assert tuple(found[:3]) == CUBE.shape
+    assert found[3:5] == [CUBE[LOOKED_AT], CUBE[-1, -1, -1]]
+    *w, allowed = found[5:]
     entry = Golden().entry("window-hann-7")
     # jsondecode of Octave is not always right in the last bit
     assert np.allclose(w, entry.output["w"], rtol=2**-52, atol=0)
     assert np.isclose(allowed, float(entry.tolerance("w")), rtol=2**-52, atol=0)
+
+
+def test_golden_values_are_read_by_python_as_the_readme_says(beside_golden, monkeypatch):
+    monkeypatch.chdir(beside_golden)
+    names: dict = {}
+    exec(snippet("python").replace("json.load(open(", "json.loads(open_text("), {"open_text": read_text}, names)
+    np.testing.assert_array_equal(names["eta"], CUBE)
+    np.testing.assert_array_equal(names["w"], Golden().entry("window-hann-7").output["w"])
+
+
+def read_text(path):
+    with open(path, encoding="utf-8") as stream:
+        return stream.read()
+
+
+def test_a_golden_cube_is_read_by_cpp_as_the_readme_says(beside_golden):
+    """All but the JSON, whose library need not be there: shape and name are put in."""
+    compiler = requires("g++")
+    lines = snippet("cpp").partition("std::vector<double> eta")[2]
+    code = "std::vector<double> eta" + lines.replace(
+        'cube["f64"].get<std::string>()', 'std::string("extract-wide.f64")'
+    )
+    shape = ", ".join(f"{name} = {n}" for name, n in zip(("nx", "ny", "nt"), CUBE.shape, strict=True))
+    x, y, t = LOOKED_AT
+    (beside_golden / "read.cpp").write_text(
+        "#include <cstdio>\n#include <fstream>\n#include <string>\n#include <vector>\nint main() {\n"
+        f"std::size_t {shape};\n{code}\n"
+        f'std::printf("%.17g %.17g", eta[({x} * ny + {y}) * nt + {t}], eta.back());\n}}\n'
+    )
+    subprocess.run([compiler, "-std=c++17", "-o", "read", "read.cpp"], cwd=beside_golden, check=True)
+    done = subprocess.run(["./read"], cwd=beside_golden, check=True, capture_output=True, text=True)
+    assert list(map(float, done.stdout.split())) == [CUBE[LOOKED_AT], CUBE[-1, -1, -1]]

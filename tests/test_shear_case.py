@@ -35,7 +35,7 @@ def measured(configuration, velocities):
 
 def test_it_is_a_case_of_its_own():
     assert len(BY_ID) == 9
-    assert "shear" not in CASES  # the paper's table, which the golden sets follow
+    assert "shear" not in CASES  # which the golden sets follow
     assert sheared("shear") == SHEARED
     one = "shear/profile=linear,current_direction=-90"
     assert sheared(one) == (BY_ID[one],)

@@ -29,7 +29,7 @@ from leakref.certify.strength.diagnosis import explain
 from leakref.certify.subject.protocol import ProcessSubject
 from leakref.certify.targets import HarnessBroken, Limits, connect
 from leakref.certify.verdict import Verdict, read_known
-from leakref.golden.sets import locate
+from leakref.golden.sets import NEWEST, locate
 
 __all__ = ["Request", "run", "show_list", "show_schema"]
 
@@ -65,7 +65,7 @@ class Request:
     only: Sequence[str] = ()
     report: Path | None = None
     known: Path | None = None
-    golden: int = 1
+    golden: int = NEWEST
     timeout: float | None = None
     memory: float = 8.0
     workers: int = 2

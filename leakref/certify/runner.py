@@ -53,7 +53,7 @@ def certify(
     checks: Sequence[Pair],
     *,
     profile: str,
-    golden: int = 1,
+    golden: int = conformance.NEWEST,
     seed: int = PUBLISHED,
     only: Sequence[str] = (),
     known: Mapping[str, Known] | None = None,
@@ -98,7 +98,7 @@ def certify(
 
     def asked(subject: Subject) -> list[int]:
         """Of the checks. What a code that knows one water only is not asked does not stand on its certificate."""
-        return [n for n, (check, _) in enumerate(checks) if check.family != "depth" or subject.told]
+        return [n for n, (_, case) in enumerate(checks) if not case.water or subject.told]
 
     def open_and_work(session: AbstractContextManager[Subject]) -> None:
         with session as subject:
@@ -184,7 +184,7 @@ def _taken(waiting: SimpleQueue[int]) -> Iterator[int]:
 
 
 def select(
-    patterns: Sequence[str] = (), *, profile: str = "full", golden: int = 1, seed: int = PUBLISHED
+    patterns: Sequence[str] = (), *, profile: str = "full", golden: int = conformance.NEWEST, seed: int = PUBLISHED
 ) -> list[tuple[Check, Case]]:
     """Checks and cases whose id, check or family matches one of the patterns (default: all) in a profile.
 
@@ -198,7 +198,7 @@ def select(
     """
     Draw(seed)  # refused here if it is none
     order, every = {family: n for n, family in enumerate(FAMILIES)}, checks.load()
-    if golden != 1:
+    if golden != conformance.NEWEST:
         every = {**every, **conformance.of_set(golden)}
     found = [
         (identifier, c, case)

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from itertools import product
 
-from leakref.cases import CASES, Configuration
+from leakref.cases import PAPER_CASES, Configuration
 
 __all__ = [
     "CLEAR_OF_PEAK",
@@ -116,7 +116,7 @@ EXTRA: dict[str, tuple[Configuration, ...]] = {
     "L-T": (*(domain(length, 5.0) for length in LENGTHS), domain(5.0, 40.0)),
     "U": (*turn(15.0), *turn(45.0), *turn(-30.0, (0.0,))),
 }
-"""What the claims need beside `cases.CASES`: theta0 = 45, spreads above 60, seas turned, T = 5, ..."""
+"""What the claims need beside `cases.PAPER_CASES`: theta0 = 45, spreads above 60, seas turned, T = 5, ..."""
 
-_TABLE = {c.id: c for members in CASES.values() for c in members}
+_TABLE = {c.id: c for members in PAPER_CASES.values() for c in members}
 assert all(c.id not in _TABLE for members in EXTRA.values() for c in members)

@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import pairwise, product
 
-from leakref.cases import CASES, Configuration
+from leakref.cases import PAPER_CASES, Configuration
 from leakref.claims.configurations import DIRECTIONS, GAMMAS, LENGTHS, SPREADS, domain, narrow_domain, peaked, sea
 from leakref.claims.evidence import Evidence
 from leakref.claims.registry import claim
@@ -45,7 +45,7 @@ from leakref.claims.words import (
     smaller,
 )
 
-_ALL = tuple(c for members in CASES.values() for c in members)
+_ALL = tuple(c for members in PAPER_CASES.values() for c in members)
 _STILL = tuple(c for c in _ALL if not c.speed)
 
 

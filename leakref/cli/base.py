@@ -74,7 +74,8 @@ def command(
 
 golden_app = typer.Typer(no_args_is_help=True, context_settings={"help_option_names": ["-h", "--help"]})
 app.add_typer(golden_app, name="golden", rich_help_panel=UPKEEP, help="The golden values: unchanged? still reproduced?")
-GoldenNumber = Annotated[int, typer.Option("--golden", help="Which set, 1 for golden/v1.")]
+NEWEST_GOLDEN = 2
+GoldenNumber = Annotated[int, typer.Option("--golden", help="Which set: 1 for golden/v1; 2 is that and what is new.")]
 GoldenFolder = Annotated[Path | None, typer.Option("--set", help="Folder of a set, instead of the installed one.")]
 GoldenWork = Annotated[Path, typer.Option(help="Folder where long runs are kept, and resumed from.")]
 Timeout = Annotated[

@@ -97,7 +97,7 @@ def export(
     gravity: Annotated[float | None, typer.Option(help="In m/s2, with --peak-wavenumber.")] = None,
     json: Json = False,
 ) -> bool:
-    """A cube of a paper case with its truth, for any code to try."""
+    """A cube of a case with its truth, its waves, current and water, for any code to try."""
     from leakref.cubes.exporting import export as run
 
     return run(

@@ -8,13 +8,13 @@ from typing import Annotated
 
 import typer
 
-from leakref.cli.base import GoldenFolder, GoldenNumber, GoldenWork, Json, Workers, command, golden_app
+from leakref.cli.base import NEWEST_GOLDEN, GoldenFolder, GoldenNumber, GoldenWork, Json, Workers, command, golden_app
 
 __all__ = ["golden_lint", "golden_regenerate", "golden_verify"]
 
 
 @command(None, "lint", golden_app)
-def golden_lint(golden: GoldenNumber = 1, place: GoldenFolder = None, json: Json = False) -> bool:
+def golden_lint(golden: GoldenNumber = NEWEST_GOLDEN, place: GoldenFolder = None, json: Json = False) -> bool:
     """Whole and unchanged? Schemas, counts, ids, digests of every entry."""
     from leakref.golden.commands import run_lint
 
@@ -37,7 +37,7 @@ def golden_verify(
             "a realisation; resumed where it stopped)."
         ),
     ] = "B",
-    golden: GoldenNumber = 1,
+    golden: GoldenNumber = NEWEST_GOLDEN,
     place: GoldenFolder = None,
     work: GoldenWork = Path("leakref-golden"),
     workers: Workers = 0,
@@ -64,7 +64,7 @@ def golden_regenerate(
         list[str] | None,
         typer.Argument(help="Entries to write; 'realization-*' adds what is missing. None: compare all, write beside."),
     ] = None,
-    golden: GoldenNumber = 1,
+    golden: GoldenNumber = NEWEST_GOLDEN,
     place: GoldenFolder = None,
     work: GoldenWork = Path("leakref-golden"),
     workers: Workers = 0,

@@ -8,7 +8,18 @@ from typing import Annotated
 
 import typer
 
-from leakref.cli.base import JUDGE, GoldenNumber, Json, Program, StartTimeout, Target, Timeout, Workers, command
+from leakref.cli.base import (
+    JUDGE,
+    NEWEST_GOLDEN,
+    GoldenNumber,
+    Json,
+    Program,
+    StartTimeout,
+    Target,
+    Timeout,
+    Workers,
+    command,
+)
 
 __all__ = ["certify", "compare", "explain", "guide", "scaffold", "strength"]
 
@@ -23,7 +34,7 @@ def certify(
     ] = None,
     report: Annotated[Path | None, typer.Option(help="Folder for the certificate: JSON and JUnit XML.")] = None,
     known: Annotated[Path | None, typer.Option(help="Known failures: TOML, id = {reason, issue}.")] = None,
-    golden: GoldenNumber = 1,
+    golden: GoldenNumber = NEWEST_GOLDEN,
     timeout: Timeout = None,
     start_timeout: StartTimeout = None,
     memory: Annotated[float, typer.Option(min=0.01, help="GiB that the program may hold.")] = 8.0,

@@ -28,7 +28,10 @@ def demo(
 def reproduce(
     case: Annotated[
         list[str] | None,
-        typer.Argument(help="Cases or single configurations, as in --list; or shear: currents that vary with depth."),
+        typer.Argument(
+            help="Cases or single configurations, as in --list; beside the paper's: depth, water that is not deep, and "
+            "shear, currents that vary with depth."
+        ),
     ] = None,
     everything: Annotated[bool, typer.Option("--all", help="Every case of the paper.")] = False,
     realizations: Annotated[int, typer.Option(min=1, help="How many of each configuration.")] = 100,
@@ -48,10 +51,10 @@ def reproduce(
 ) -> bool:
     """The paper's cases: bias and random part of the measured velocity at each wavenumber."""
     from leakref import LeakrefError, _output
-    from leakref.cases import CASES
+    from leakref.cases import ASSUMED_DEEP, CASES, PAPER_CASES
 
     if listing:
-        ids = [c.id for members in CASES.values() for c in members]
+        ids = [c.id for members in (*CASES.values(), ASSUMED_DEEP) for c in members]
         typer.echo(_output.dump(_output.envelope("reproduce", True, ids=ids)) if json else "\n".join(ids))
         return True
     if figures and not everything and not case:
@@ -67,7 +70,7 @@ def reproduce(
     from leakref.paper.reproduce import run
 
     return run(
-        list(CASES) if everything else case or [],
+        list(PAPER_CASES) if everything else case or [],
         realizations=realizations,
         figures=figures,
         out=out,

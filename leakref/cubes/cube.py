@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from leakref._base import FloatArray, vector
 from leakref.cubes.asked import Assumed
 from leakref.grid import Grid
@@ -26,6 +28,7 @@ class Cube:
     - `surface`: (nx, ny, nt), float64, or the type in the file if it is memory-mapped.
     - `gravity`: in the same units of length and time as the grid.
     - `peak_wavenumber`: rad per length, None if the file does not say.
+    - `depth`, `surface_tension` (over density): of the water, in the same units; deep and none unless they are given.
     - `components`, `current`: None without a truth; the current is along x and y, going to.
     - `assumed`: what was taken for granted when the file was read, None for a cube that comes from no file.
 
@@ -41,6 +44,8 @@ class Cube:
     peak_wavenumber: float | None = None
     notes: tuple[str, ...] = ()
     assumed: Assumed | None = None
+    depth: float = np.inf
+    surface_tension: float = 0.0
 
     def __post_init__(self) -> None:
         if self.current is not None:

@@ -1,7 +1,7 @@
-"""`leakref export`: a sea of the paper as a cube, for another implementation.
+"""`leakref export`: a sea of the paper, or of case depth, as a cube, for another implementation.
 
-The cube holds what the reference would see, and the file also its truth: the waves, the current and the units. It is
-the way to try a code by hand; judging one is `leakref certify`, which shows it cubes of its own.
+The cube holds what the reference would see, and the file also its truth: the waves, the current, the water and the
+units. It is the way to try a code by hand; judging one is `leakref certify`, which shows it cubes of its own.
 """
 
 from __future__ import annotations
@@ -31,13 +31,13 @@ def export(
     gravity: float | None,
     json: bool,
 ) -> bool:
-    """Write one realisation of a paper case with its truth to `out`; returns True. Raises LeakrefError.
+    """Write one realisation of a case with its truth to `out`; returns True. Raises LeakrefError.
 
     `case` is the id of one configuration; `realization` counts from 0. `format` is that of the suffix of `out` unless
     given. With `peak_wavenumber` (rad/m) and `gravity` (m/s2) the cube is in SI, without both in scaled units.
     LeakrefError is raised for an unknown case or one of several configurations, an unknown format, one of the two
     alone, a folder in the place of `out`, and NetCDF without its library. The path, the SHA-256 and the sizes are
-    printed.
+    printed; where the water is not deep, the file has its depth and surface tension beside the gravity.
     """
     format = format or _SUFFIXES.get(out.suffix.lower(), "npz")
     if format not in files.FORMATS:
@@ -80,6 +80,8 @@ def export(
                     format=format,
                     units=cube.units,
                     gravity=cube.gravity,
+                    depth=cube.depth,
+                    surface_tension=cube.surface_tension,
                     shape=cube.grid.shape,
                     spacing=cube.grid.spacing,
                     current=cube.current,

@@ -27,7 +27,7 @@ from leakref.cubes.cube import UNITS, Cube
 from leakref.cubes.formats import WAVES
 from leakref.cubes.hdf import netcdf_library
 from leakref.cubes.reading import read
-from leakref.dispersion import DEEP, Scales
+from leakref.dispersion import Scales
 from leakref.grid import Grid
 from leakref.synthesis import synthesize
 
@@ -40,13 +40,11 @@ FORMATS = ("npz", "mat", "netcdf")
 def of_configuration(configuration: Configuration, realization: int, scales: Scales | None = None) -> Cube:
     """Surface and truth of one realisation, in scaled units or those of `scales` (SI, unless its gravity is 1).
 
-    `realization` counts from 0. The whole surface is made in memory: 176 MB for the paper's L = 10, T = 20. Raises
-    LeakrefError for water that is not deep, since a cube does not say its depth.
+    `realization` counts from 0. The whole surface is made in memory: 176 MB for the paper's L = 10, T = 20. Depth and
+    surface tension are those of the water that the waves are in, whatever the configuration says is assumed.
     """
-    if configuration.water != DEEP:
-        fault = f"{configuration.id} is in {configuration.water}, and files say nothing of depth and tension"
-        raise LeakrefError("of_configuration", fault, "make its surface by synthesize, and keep its water beside it")
     to = scales or Scales()
+    water = configuration.water.to_units(to)
     waves, grid, c = configuration.components(realization), configuration.grid, configuration.current
     if scales:
         dx, dy, dt = grid.spacing
@@ -54,7 +52,17 @@ def of_configuration(configuration: Configuration, realization: int, scales: Sca
         waves, c = waves.to_units(to), c * to.velocity
     surface = synthesize(waves, *(grid.samples(axis) for axis in range(3)))
     units = "scaled" if not scales else "given" if to.gravity == 1 else "si"
-    return Cube(surface, grid, to.gravity, units, waves, c, to.peak_wavenumber)
+    return Cube(
+        surface,
+        grid,
+        to.gravity,
+        units,
+        waves,
+        c,
+        to.peak_wavenumber,
+        depth=water.depth,
+        surface_tension=water.surface_tension,
+    )
 
 
 # --- writing ---------------------------------------------------------------------------------------------------------
@@ -62,7 +70,8 @@ def write(path: Path, cube: Cube, format: str, about: Mapping[str, str] | None =
     """A cube with all it knows to `path`, whole or not at all, the same bytes every time; `about`: words on its origin.
 
     The variables are those of guide protocol, section 14: eta, x, y, t, gravity, kx, ky, omega, amplitude, phase,
-    current, peak_wavenumber, units and axes, the order of the axes. Raises LeakrefError.
+    current, peak_wavenumber, units and axes, the order of the axes; of water that is not deep, or has a surface
+    tension, also depth and surface_tension. Raises LeakrefError.
 
     `format` is one of `FORMATS`. The path is returned. LeakrefError is raised for another format, for NetCDF without
     its library, and where nothing can be written.
@@ -72,6 +81,8 @@ def write(path: Path, cube: Cube, format: str, about: Mapping[str, str] | None =
     variables: dict[str, Any] = {"eta": np.asarray(cube.surface)}
     variables |= {name: cube.grid.samples(axis) for axis, name in enumerate("xyt")}
     variables["gravity"] = np.float64(cube.gravity)
+    if (cube.depth, cube.surface_tension) != (np.inf, 0.0):
+        variables |= {"depth": np.float64(cube.depth), "surface_tension": np.float64(cube.surface_tension)}
     if cube.components is not None:
         variables |= {name: getattr(cube.components, name) for name in WAVES}
     variables |= {
@@ -119,13 +130,16 @@ def _dataset(variables: Mapping[str, Any], words: Mapping[str, str]) -> Any:
     """The variables of a cube as an xarray.Dataset with CF attributes."""
     units = words["units"]
     length, time = ("m", "s") if units == "si" else ("1", "1")
-    per = {True: {"k": "m-1", "w": "s-1", "c": "m s-1", "g": "m s-2"}}.get(units == "si", dict.fromkeys("kwcg", "1"))
+    si = {"k": "m-1", "w": "s-1", "c": "m s-1", "g": "m s-2", "s": "m3 s-2"}
+    per = si if units == "si" else dict.fromkeys(si, "1")
     about: dict[str, tuple[tuple[str, ...], str, str]] = {
         "eta": (("x", "y", "t"), length, "surface elevation"),
         "x": (("x",), length, "distance along x"),
         "y": (("y",), length, "distance along y"),
         "t": (("t",), time, "time since the first frame"),
         "gravity": ((), per["g"], "acceleration due to gravity"),
+        "depth": ((), length, "depth of the water"),
+        "surface_tension": ((), per["s"], "surface tension over density"),
         "kx": (("wave",), per["k"], "angular wavenumber along x"),
         "ky": (("wave",), per["k"], "angular wavenumber along y"),
         "omega": (("wave",), per["w"], "angular frequency"),

@@ -83,7 +83,7 @@ def lint(folder: Traversable) -> tuple[dict[str, Any], list[Failure]]:
     A file may be changed, missing, or not in the manifest; each is one Failure that names it. The row has the columns
     of those of the sets, so that both stand in one table.
     """
-    row = {"name": "beside", "state": "complete", "files": 0, "entries": 0, "values": 0}
+    row = {"name": "beside", "set": "", "state": "complete", "files": 0, "entries": 0, "values": 0}
     try:
         files = _manifest(folder)["files"]
     except LeakrefError as error:

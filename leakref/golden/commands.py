@@ -29,7 +29,7 @@ FILES = "files"
 def _opened(number: int, place: Path | None) -> Golden:
     if place is not None and not place.is_dir():
         raise LeakrefError("golden", f"there is no folder {place}", "give that of a golden set, such as golden/v1")
-    return Golden(locate(number) if place is None else place)
+    return Golden(locate(number) if place is None else place.resolve())
 
 
 def _shown(title: str, report: Report, json: bool, ok: bool, **fields: Any) -> None:
@@ -46,7 +46,7 @@ def _shown(title: str, report: Report, json: bool, ok: bool, **fields: Any) -> N
         return
     table = Table(title=f"golden {title}: {report.values} values")
     for column in (report.sets or [{"name": ""}])[0]:
-        table.add_column(column, justify="left" if column in ("name", "state") else "right")
+        table.add_column(column, justify="left" if column in ("name", "set", "state") else "right")
     for row in report.sets:
         table.add_row(*(str(value) for value in row.values()))
     show = Console()
@@ -119,7 +119,7 @@ def run_regenerate(
     """
     from leakref.golden import ids, making
 
-    target = place or Path(str(locate(number)))
+    target = (place or Path(str(locate(number)))).resolve()
     values = [name for name in wanted if name != FILES]
     rows: list[dict[str, Any]] = []
     settled = True

@@ -22,13 +22,13 @@ from leakref._base import FloatArray, LeakrefError
 from leakref._output import plain as to_json
 from leakref.cases import REALIZATIONS, Configuration
 from leakref.chain import analyse
+from leakref.dispersion import DEEP, velocity_unit
 from leakref.ensemble import Ensemble
-from leakref.golden.ids import CERTIFIED, configuration_of, ensemble_id, realization_id
+from leakref.golden.defined import VECTORS
+from leakref.golden.ids import CERTIFIED, configuration_of, ensemble_id, methods_of, realization_id
 from leakref.golden.records import entry_record, head_of, vector_record
 from leakref.golden.sets import Entry, tolerance
 from leakref.golden.stages.velocities import UNFLAGGED, softness, velocity_conditioning
-from leakref.golden.vectors import VECTORS
-from leakref.methods import METHODS
 from leakref.shell import Extraction, Note
 from leakref.spectrum import Spectrum, fourier
 from leakref.synthesis import synthesize
@@ -41,8 +41,10 @@ Step = Callable[[], object]
 def describe(c: Configuration) -> dict[str, Any]:
     """A configuration in words of JSON: enough to make it without this package's table of cases.
 
-    Angles are in degrees, `length` and `duration` in peak wavelengths and periods, all else in scaled units.
+    Angles are in degrees, `length` and `duration` in peak wavelengths and periods, all else in scaled units. Of deep
+    water without tension nothing is said.
     """
+    water = {} if c.water == DEEP else {"depth": c.depth, "surface_tension": c.surface_tension}
     return {
         "configuration": c.id,
         "direction": c.direction,
@@ -53,6 +55,7 @@ def describe(c: Configuration) -> dict[str, Any]:
         "speed": c.speed,
         "current_direction": c.current_direction,
         "rotation": c.rotation,
+        **water,
         "shape": list(c.grid.shape),
         "spacing": list(c.grid.spacing),
         "windows": list(c.windows),
@@ -77,7 +80,7 @@ def _one_by_one(c: Configuration, number: int) -> Iterator[Spectrum]:
         yield cropped
 
 
-def _by_surface(c: Configuration, number: int) -> tuple[dict[str, Any], dict[str, Any]]:
+def _by_surface(c: Configuration, number: int, methods: Sequence[str]) -> tuple[dict[str, Any], dict[str, Any]]:
     """Velocities and notes by route A, and the conditioning of each velocity.
 
     Velocities (n, 2) and notes by `window_method`, under `notes` and by name, and the conditioning of each velocity, n
@@ -88,11 +91,11 @@ def _by_surface(c: Configuration, number: int) -> tuple[dict[str, Any], dict[str
     turns = float(4 + np.log2(np.prod(c.grid.shape)) + 2 * np.pi * (3.5 * c.length * 2 + 1.9 * c.duration))
     notes: dict[str, Any] = {}
     for spectrum in _one_by_one(c, number):
-        for method in METHODS:
-            one = analyse(spectrum, c.wavenumbers, method=method, gravity=1.0)
+        for method in methods:
+            one = analyse(spectrum, c.wavenumbers, method=method, water=c.water)
             name = f"{spectrum.window}_{method}"
             found[name], notes[name] = one.velocities, _names(one)
-            conditioning[name] = velocity_conditioning(spectrum, one, turns)
+            conditioning[name] = velocity_conditioning(spectrum, one, turns, c.water)
     return {**found, "notes": notes}, conditioning
 
 
@@ -101,12 +104,13 @@ def _names(found: Extraction) -> list[list[str]]:
     return [note.names for note in found.notes]
 
 
-def closed_form(c: Configuration, number: int) -> dict[str, Any]:
+def closed_form(c: Configuration, number: int, methods: Sequence[str]) -> dict[str, Any]:
     """Velocities and notes by route B.
 
     Velocities (n, 2) by `window_method`, and under `notes` the names of the notes of each shell.
     """
-    found = {f"{window}_{method}": one for (window, method), one in ensemble.realize(c, number, route="B").items()}
+    by_name = ensemble.realize(c, number, methods=methods, route="B")
+    found = {f"{window}_{method}": one for (window, method), one in by_name.items()}
     return {
         **{name: one.velocities for name, one in found.items()},
         "notes": {name: _names(one) for name, one in found.items()},
@@ -116,14 +120,20 @@ def closed_form(c: Configuration, number: int) -> dict[str, Any]:
 _DSV_DECISIONS = tuple(f"D{n}" for n in (1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 13, 15, 16, 17, 18, 19, 22))
 
 
-def _realization(c: Configuration, number: int) -> dict[str, Any]:
+def _decisions(c: Configuration) -> tuple[str, ...]:
+    """Those that velocities depend on; in water that is not deep also those of its units, sea and search."""
+    return _DSV_DECISIONS if c.water == DEEP else (*_DSV_DECISIONS, "D26", "D27", "D28", "D29", "D31")
+
+
+def _realization(identifier: str) -> dict[str, Any]:
     """The record of one realisation by routes A and B.
 
     Where the routes do not agree within the conditioning there is no certified number: null, with that reason. It
     happens only in noted shells, where a rounding may decide which basin the search ends in; elsewhere it is refused.
     """
-    a, conditioning = _by_surface(c, number)
-    b = closed_form(c, number)
+    c, number, methods = configuration_of(identifier), int(identifier.rsplit("/", 1)[1]), methods_of(identifier)
+    a, conditioning = _by_surface(c, number, methods)
+    b = closed_form(c, number, methods)
     reasons: dict[str, list[str]] = {}
     for name, kappa in conditioning.items():
         allowed = np.array([tolerance(x) for x in kappa])
@@ -132,7 +142,7 @@ def _realization(c: Configuration, number: int) -> dict[str, Any]:
             if not a["notes"][name][n] and not b["notes"][name][n]:
                 raise LeakrefError(
                     "golden.regenerate",
-                    f"{realization_id(c, number)}: routes A and B give "
+                    f"{identifier}: routes A and B give "
                     f"{a[name][n]} and {b[name][n]} in {name}, shell {n}, which has no note, where "
                     f"{allowed[n]:.2g} is allowed",
                     "find out why; nothing was written",
@@ -149,13 +159,13 @@ def _realization(c: Configuration, number: int) -> dict[str, Any]:
     notes = a.pop("notes")
     b.pop("notes")
     head = head_of(
-        realization_id(c, number),
+        identifier,
         "realization",
         "hard",
         "a whole sea through the whole chain, shell by shell: any slip that the small vectors miss",
         "sec:NSP",
         _DSV_FAULTS,
-        _DSV_DECISIONS,
+        _decisions(c),
     )
     given = {name: said for name, said in reasons.items() if any(said)}
     extra = {"notes": notes, **({"reasons": given} if given else {})}
@@ -213,7 +223,7 @@ def _ensembles(
             "bias and random part over many seas: a slip too small or too rare for one sea",
             "sec:parameters",
             _DSV_FAULTS,
-            (*_DSV_DECISIONS, "D12"),
+            (*_decisions(c), "D12"),
         )
         frequency, wavenumber = e.resolutions
         extra = {
@@ -231,8 +241,9 @@ def inherit(record: dict[str, Any], certified: Mapping[str, Entry]) -> None:
     `record` is changed in place; counts, which are whole numbers, keep theirs. Raises LeakrefError where a certified
     realisation of its configuration is missing.
     """
-    c, name = configuration_of(record["id"]), f"{record['input']['window']}_{record['input']['method']}"
-    ids = [realization_id(c, number) for number in CERTIFIED]
+    method = record["input"]["method"]
+    c, name = configuration_of(record["id"]), f"{record['input']['window']}_{method}"
+    ids = [realization_id(c, number, method) for number in CERTIFIED]
     if missing := [i for i in ids if i not in certified]:
         raise LeakrefError(
             "golden.regenerate",
@@ -245,13 +256,16 @@ def inherit(record: dict[str, Any], certified: Mapping[str, Entry]) -> None:
             said["digits"] = min(said["digits"], digits)
 
 
-def _softnesses(c: Configuration, number: int) -> dict[tuple[str, str], list[float]]:
-    """By how much each velocity of a realisation is worse conditioned than `UNFLAGGED`; 1 where there is none."""
+def _softnesses(c: Configuration, methods: Sequence[str], number: int) -> dict[tuple[str, str], list[float]]:
+    """By how much each velocity of a realisation is worse conditioned than `UNFLAGGED`; 1 where there is none. In
+    water that is not deep it is in that water's unit of velocity (decision D29).
+    """
+    unit = velocity_unit(1.0, c.water, None)
     with threadpool_limits(limits=1):
-        found = ensemble.realize(c, number, route="B")
+        found = ensemble.realize(c, number, methods=methods, route="B")
     return {
         (window, method): [
-            softness(method, float(score), hessian) if np.isfinite(score) else 1.0
+            unit * (softness(method, float(score), hessian, unit) if np.isfinite(score) else 1.0)
             for score, hessian in zip(one.score, one.hessian, strict=True)
         ]
         for (window, method), one in found.items()
@@ -276,17 +290,20 @@ def make(
         yield record
         step()
     rest = [i for i in wanted if i.startswith("ensemble-")]
-    configurations = list(dict.fromkeys(configuration_of(i) for i in rest))
-    with runs.pool(workers) as executor:
-        for found in runs.run(
-            configurations, realizations=REALIZATIONS, folder=work and work / "runs", executor=executor
-        ):
-            c = found[0].configuration
-            soft = (map if executor is None else executor.map)(partial(_softnesses, c), range(REALIZATIONS))
-            for record in _ensembles(c, found, list(soft)):
-                if record["id"] in rest:
-                    yield record
-                    step()
+    kept_in = work and work / "runs"
+    for methods in dict.fromkeys(methods_of(i) for i in rest):
+        configurations = list(dict.fromkeys(configuration_of(i) for i in rest if methods_of(i) == methods))
+        with runs.pool(workers) as executor:
+            for found in runs.run(
+                configurations, realizations=REALIZATIONS, methods=methods, folder=kept_in, executor=executor
+            ):
+                c = found[0].configuration
+                each = partial(_softnesses, c, methods)
+                soft = (map if executor is None else executor.map)(each, range(REALIZATIONS))
+                for record in _ensembles(c, found, list(soft)):
+                    if record["id"] in rest:
+                        yield record
+                        step()
 
 
 def certified(wanted: Sequence[str], work: Path | None, workers: int) -> Iterator[dict[str, Any]]:
@@ -302,9 +319,7 @@ def certified(wanted: Sequence[str], work: Path | None, workers: int) -> Iterato
 def _certify(identifier: str, work: Path | None) -> dict[str, Any]:
     """One realisation on one thread, so that the last bits do not depend on the machine's cores."""
     with threadpool_limits(limits=1):
-        return _resumed(
-            identifier, work, partial(_realization, configuration_of(identifier), int(identifier.rsplit("/", 1)[1]))
-        )
+        return _resumed(identifier, work, partial(_realization, identifier))
 
 
 def _resumed(identifier: str, work: Path | None, make: Callable[[], dict[str, Any]]) -> dict[str, Any]:

@@ -1,28 +1,58 @@
-"""The ids of all golden values, and in which file each stands.
+"""The ids of all golden values, of which set each is, and in which file it stands.
 
 An id is never given to another value: where a definition has to change, a new id supersedes the old one. `making`,
-`verifying` and the checks of conformance find entries by these ids only.
+`verifying` and the checks of conformance find entries by these ids only. What belongs to which set follows from the
+tables: vectors from `defined.TABLES`, realisations and ensembles from `SEAS`. To add some is to add a row.
 """
 
 from __future__ import annotations
 
-from leakref._base import LeakrefError
-from leakref.cases import CASES, Configuration
-from leakref.golden.vectors import VECTORS
-from leakref.methods import METHODS
+from dataclasses import dataclass
 
-__all__ = ["CERTIFIED", "configuration_of", "ensemble_id", "ids", "realization_id"]
+from leakref._base import LeakrefError
+from leakref.cases import CASES, PAPER_CASES, Configuration
+from leakref.golden.defined import TABLES
+
+__all__ = ["CERTIFIED", "SEAS", "Seas", "configuration_of", "ensemble_id", "ids", "methods_of", "realization_id"]
 
 CERTIFIED = (0, 1)
 """Realisations of every configuration that are golden one by one."""
 
 
-def realization_id(c: Configuration, number: int) -> str:
-    """The id of one realisation of a configuration.
+@dataclass(frozen=True)
+class Seas:
+    """Realisations and ensembles of some configurations by some methods, all of one golden set.
 
-    Such as `realization-gamma/spread=15,peakedness=7/0`.
+    - `number`: that of the set; `methods`: ids of `leakref.methods`.
+    - `tag`: part of the ids of realisations, for configurations that have others already; empty for the first ones.
     """
-    return f"realization-{c.id}/{number}"
+
+    number: int
+    configurations: tuple[Configuration, ...]
+    methods: tuple[str, ...] = ("nsp", "ls")
+    tag: str = ""
+
+    def realization(self, c: Configuration, number: int) -> str:
+        """The id of one realisation, such as `realization-gamma/spread=15,peakedness=7/0`."""
+        return f"realization-{c.id}/{f'{self.tag}/' if self.tag else ''}{number}"
+
+
+SEAS = (
+    Seas(1, tuple(c for members in PAPER_CASES.values() for c in members)),
+    Seas(2, CASES["depth"]),
+)
+"""All that there are; no two rows have both a configuration and a method in common."""
+
+
+def realization_id(c: Configuration, number: int, method: str = "nsp") -> str:
+    """The id of the realisation of a configuration that has velocities by `method`.
+
+    Such as `realization-gamma/spread=15,peakedness=7/0`. Raises LeakrefError if there is none.
+    """
+    for seas in SEAS:
+        if c in seas.configurations and method in seas.methods:
+            return seas.realization(c, number)
+    raise LeakrefError("golden", f"{c.id} by {method!r} is in no golden set", "add a row to golden.ids.SEAS")
 
 
 def ensemble_id(c: Configuration, window: str, method: str) -> str:
@@ -37,23 +67,41 @@ def _file_of(part: str, name: str) -> str:
     return f"{part}/{name}.json"
 
 
-def ids(*parts: str) -> dict[str, str]:
+def ids(*parts: str, number: int | None = None) -> dict[str, str]:
     """Every id that can be made, and the file it belongs in.
 
     `parts` are names of the folders of a set (`sets.SETS`); without any there are none. The order is that of the files.
+    With a `number` those of that set alone, without what it extends.
     """
     found = {
         v.id: _file_of(part, v.stage if part == "vectors" else "windows")
-        for part, vectors in VECTORS.items()
-        for v in vectors
+        for table_number, table in TABLES.items()
+        if number in (None, table_number)
+        for part, vectors in table.items()
         if part in parts
+        for v in vectors
     }
-    for c in (c for members in CASES.values() for c in members):
-        if "realizations" in parts:
-            found |= {realization_id(c, n): _file_of("realizations", c.case) for n in CERTIFIED}
-        if "ensembles" in parts:
-            found |= {ensemble_id(c, w, m): _file_of("ensembles", c.case) for w in c.windows for m in METHODS}
+    for seas in (seas for seas in SEAS if number in (None, seas.number)):
+        for c in seas.configurations:
+            if "realizations" in parts:
+                found |= {seas.realization(c, n): _file_of("realizations", c.case) for n in CERTIFIED}
+            if "ensembles" in parts:
+                found |= {ensemble_id(c, w, m): _file_of("ensembles", c.case) for w in c.windows for m in seas.methods}
     return found
+
+
+def _row(identifier: str) -> tuple[Seas, Configuration]:
+    """The row and the configuration of an id. Raises LeakrefError."""
+    kind, _, rest = identifier.partition("-")
+    name, _, last = rest.rpartition("/")
+    for seas in SEAS:
+        if kind == "ensemble" and last.rpartition("-")[2] not in seas.methods:
+            continue
+        tag = f"/{seas.tag}" if seas.tag and kind == "realization" else ""
+        for c in seas.configurations:
+            if f"{c.id}{tag}" == name:
+                return seas, c
+    raise LeakrefError("golden", f"{identifier!r} names no configuration of the sets", "ids are in the manifest")
 
 
 def configuration_of(identifier: str) -> Configuration:
@@ -61,9 +109,9 @@ def configuration_of(identifier: str) -> Configuration:
 
     Raises LeakrefError for an id that names none.
     """
-    name = identifier.partition("-")[2].rpartition("/")[0]
-    for members in CASES.values():
-        for c in members:
-            if c.id == name:
-                return c
-    raise LeakrefError("golden", f"{identifier!r} names no configuration of the paper", "ids are in the manifest")
+    return _row(identifier)[1]
+
+
+def methods_of(identifier: str) -> tuple[str, ...]:
+    """The methods by which the velocities of a realisation, or of an ensemble and its neighbours, are measured."""
+    return _row(identifier)[0].methods

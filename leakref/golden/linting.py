@@ -27,13 +27,27 @@ _FORM = 4  # items of an array that show its form
 
 
 def lint(golden: Golden | None = None) -> Report:
-    """See that the set is whole and unchanged: schemas, counts, ids, digests, purposes, tolerances.
+    """See that the set, and what it extends, is whole and unchanged: schemas, counts, ids, digests, tolerances.
 
-    `golden` is set 1 unless given. Returned is a row for each part with its files, entries and values, how many values
-    in all, and a Failure for each fault, which names the entry or the file. If the manifest itself cannot be trusted
-    nothing else is looked at. Nothing is raised for a set that is damaged.
+    `golden` is the newest set unless given. Returned is a row for each part of each set with its files, entries and
+    values, how many values in all, and a Failure for each fault, which names the entry or the file. If a manifest
+    cannot be trusted nothing else of its set is looked at. Nothing is raised for a set that is damaged.
     """
     golden = golden or Golden()
+    try:
+        base = golden.base
+    except LeakrefError as error:
+        own = _lint(golden, {})
+        said = [Failure("manifest.json", f"what it extends cannot be trusted: {error.fault}")]
+        return Report(own.sets, own.values, own.failures or said)
+    before = lint(base) if base is not None else Report([], 0)
+    seen = {entry.id: entry for entry in base.entries()} if base is not None and not before.failures else {}
+    own = _lint(golden, seen)
+    return Report([*before.sets, *own.sets], before.values + own.values, [*before.failures, *own.failures])
+
+
+def _lint(golden: Golden, before: Mapping[str, Entry]) -> Report:
+    """Of the set itself; `before` are the entries of what it extends, whose ids it must not use again."""
     try:
         manifest, schema, as_stored = (
             golden._json("manifest.json"),
@@ -52,9 +66,16 @@ def lint(golden: Golden | None = None) -> Report:
         return Report([], 0, failures)
     if not sealed(manifest):
         failures.append(Failure("manifest.json", "was changed: its own SHA-256 is not that of what it says"))
-    seen: dict[str, Entry] = {}
+    seen = dict(before)
     rows = {
-        part["name"]: {"name": part["name"], "state": part["state"], "files": 0, "entries": 0, "values": 0}
+        part["name"]: {
+            "name": part["name"],
+            "set": manifest["set"],
+            "state": part["state"],
+            "files": 0,
+            "entries": 0,
+            "values": 0,
+        }
         for part in manifest["parts"]
     }
     for name, row in manifest["files"].items():
@@ -78,7 +99,7 @@ def lint(golden: Golden | None = None) -> Report:
             part["entries"] += len(entries)
             part["values"] += sum(entry.values for entry in entries if not faults)
     failures += _strays(golden, manifest)
-    for entry in seen.values():
+    for entry in (entry for name, entry in seen.items() if name not in before):
         unknown = sorted(set(entry.record["decisions"]) - set(manifest["decisions"]))
         if unknown:
             failures.append(Failure(entry.id, f"depends on {unknown}, which the manifest does not list", entry.stage))
@@ -135,7 +156,9 @@ def _entry_faults(
         yield Failure(name, fault, stage)
         return
     if name in seen:
-        yield Failure(name, f"is there twice, in {seen[name].file} and in {entry.file}", stage)
+        first, second = (f"{one.folder}/{one.file}".lstrip("/") for one in (seen[name], entry))
+        yield Failure(name, f"is there twice, in {first} and in {second}", stage)
+        return
     seen[name] = entry
     try:
         changed = entry_digest(entry) != row["entries"].get(name)

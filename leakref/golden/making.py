@@ -23,12 +23,13 @@ from leakref._output import plain as to_json
 from leakref._output import write_whole
 from leakref.decisions import DECISIONS
 from leakref.golden.beside import noted
+from leakref.golden.defined import TABLES, VECTORS
 from leakref.golden.digests import digest
 from leakref.golden.entries import Step, inherit, make
 from leakref.golden.ids import ids
 from leakref.golden.same import agree
-from leakref.golden.sets import MARGIN, SCHEMA_VERSION, SETS, Entry, Golden, entry_digest
-from leakref.golden.vectors import VECTORS
+from leakref.golden.sets import MARGIN, SCHEMA_VERSION, SETS, Entry, Golden, archived, entry_digest
+from leakref.golden.vectors import Vector
 
 __all__ = ["regenerate"]
 
@@ -46,18 +47,19 @@ def _text(value: Any, indent: int = 0) -> str:
     return f"{opening}\n" + ",\n".join(rows) + f"\n{'  ' * indent}{closing}"
 
 
-def _split(record: dict[str, Any], file: str, archived: Sequence[str]) -> tuple[dict[str, Any], dict[str, FloatArray]]:
-    """Large inputs go to the npz beside the file. An archived input becomes a reference to an array, `{"npz": file,
-    "array": id.name}`; the arrays are returned beside.
+def _split(record: dict[str, Any], file: str, vector: Vector | None) -> tuple[dict[str, Any], dict[str, FloatArray]]:
+    """Large inputs go beside the file. An archived input becomes a reference to an array of an npz, `{"npz": file,
+    "array": id.name}`, or to a file of float64, `{"f64": file, "shape": [...]}`; the arrays are returned beside.
     """
     arrays: dict[str, FloatArray] = {}
-    for name in archived:
-        arrays[f"{record['id']}.{name}"] = np.asarray(record["input"][name], dtype=np.float64)
-    beside = Path(file).with_suffix(".npz").name
-    given = {
-        name: {"npz": beside, "array": f"{record['id']}.{name}"} if name in archived else value
-        for name, value in record["input"].items()
-    }
+    given = dict(record["input"])
+    for name in vector.archived if vector is not None else ():
+        values = np.asarray(given[name], dtype=np.float64)
+        if vector is not None and vector.raw:
+            given[name] = {"f64": f"{vector.raw}.f64", "shape": list(values.shape)}
+        else:
+            given[name] = {"npz": Path(file).with_suffix(".npz").name, "array": f"{record['id']}.{name}"}
+        arrays[str(archived(given[name]))] = values
     return {**record, "input": given}, arrays
 
 
@@ -65,21 +67,69 @@ def _write_text(text: str, path: Path) -> None:
     path.write_text(text, encoding="utf-8", newline="\n")
 
 
+def _write_raw(values: FloatArray, path: Path) -> None:
+    path.write_bytes(np.ascontiguousarray(values, dtype="<f8").tobytes())
+
+
 def _write(folder: Path, file: str, entries: Sequence[Entry]) -> list[str]:
-    """A file of entries and, if they have arrays, the npz beside it; the names written."""
+    """A file of entries and what lies beside it, if they have arrays: an npz, files of float64; the names written.
+
+    Entries that share a file of float64 have to have the same numbers in it, else LeakrefError, and nothing is written.
+    """
+    if name := _disputed(entries):
+        raise LeakrefError(
+            "golden.regenerate",
+            f"entries that share {name} have other numbers in it",
+            "name all of them, so that all are made again, or give each file a name of its own",
+        )
     content = {"schema": f"leakref/golden-entries/{SCHEMA_VERSION}", "entries": [dict(e.record) for e in entries]}
     write_whole(folder / file, partial(_write_text, _text(content) + "\n"))
-    arrays = {n: value for entry in entries for n, value in entry.arrays.items() if n.startswith(f"{entry.id}.")}
-    if not arrays:
-        return [file]
-    beside = str(Path(file).with_suffix(".npz").as_posix())
-    write_whole(folder / beside, lambda path: np.savez(path, **{n: arrays[n] for n in sorted(arrays)}))  # type: ignore[arg-type]
-    return [file, beside]
+    used = {archived(value): entry for entry in entries for value in entry.record["input"].values()}
+    arrays = {name: entry.arrays[name] for name, entry in used.items() if name is not None}
+    raw = {name: arrays.pop(name) for name in sorted(arrays) if name.endswith(".f64")}
+    names = [file]
+    for name, values in raw.items():
+        names.append((Path(file).parent / name).as_posix())
+        write_whole(folder / names[-1], partial(_write_raw, values))
+    if arrays:
+        names.append(Path(file).with_suffix(".npz").as_posix())
+        write_whole(folder / names[-1], lambda path: np.savez(path, **{n: arrays[n] for n in sorted(arrays)}))  # type: ignore[arg-type]
+    return names
+
+
+def _disputed(entries: Sequence[Entry]) -> str:
+    """The name of a file of float64 of which the entries that share it do not have the same numbers; empty if none."""
+    shared: dict[str, FloatArray] = {}
+    for entry in entries:
+        for name in filter(None, map(archived, entry.record["input"].values())):
+            if not np.array_equal(shared.setdefault(name, entry.arrays[name]), entry.arrays[name]):
+                return name
+    return ""
+
+
+def _number(folder: Path) -> int | None:
+    """The number of the set in `folder`, by its manifest or by its name; None if neither says."""
+    there = (folder / "manifest.json").is_file()
+    name = Golden(folder)._json("manifest.json")["set"] if there else folder.resolve().name
+    return int(name[1:]) if re.fullmatch(r"v[0-9]+", name) else None
+
+
+def _extended(folder: Path, number: int | None) -> dict[str, Any]:
+    """What a manifest says of the set that is extended: nothing if there is none, as for the first and for a copy that
+    stands alone.
+    """
+    if (folder / "manifest.json").is_file():
+        said = Golden(folder)._json("manifest.json").get("extends")
+        return {} if said is None else {"extends": said}
+    base = folder.resolve().parent / f"v{(number or 1) - 1}"
+    if not (base / "manifest.json").is_file():
+        return {}
+    return {"extends": {"set": base.name, "sha256": Golden(base).manifest["sha256"]}}
 
 
 def _write_manifest(folder: Path) -> None:
     """Say what the files of `folder` hold: digests, counts, licence, decisions."""
-    golden = Golden(folder)
+    golden, number = Golden(folder), _number(folder)
     files: dict[str, Any] = {}
     parts = []
     for part in SETS:
@@ -93,14 +143,15 @@ def _write_manifest(folder: Path) -> None:
                 found = golden.as_it_is(name)
                 files[name]["entries"] = {entry.id: entry_digest(entry) for entry in found}
                 entries, values = entries + len(found), values + sum(entry.values for entry in found)
-        of = len(ids(part))
-        state = "complete" if entries >= of else "partial" if entries else "absent"
+        of = len(ids(part, number=number))
+        state = "complete" if entries >= of > 0 else "partial" if entries else "absent"
         parts.append({"name": part, "state": state, "entries": entries, "of": of, "values": values})
     files["schema.json"] = {"sha256": hashlib.sha256((folder / "schema.json").read_bytes()).hexdigest()}
-    name = golden._json("manifest.json")["set"] if (folder / "manifest.json").is_file() else folder.name
+    name = folder.name if number is None else f"v{number}"
     manifest = {
         "schema": f"leakref/golden-manifest/{SCHEMA_VERSION}",
         "set": name,
+        **_extended(folder, number),
         "license": "CC0-1.0",
         "made_by": f"leakref {__version__}",
         "margin": MARGIN,
@@ -117,37 +168,43 @@ def regenerate(
 ) -> tuple[list[dict[str, Any]], bool]:
     """Compute entries, again or for the first time: rows saying what became of each, whether nothing is left open.
 
-    Nothing wanted: all that the set holds; what differs is written beside the old file as `NAME.new.json` and not taken
-    over. An id that is named is written to the set, over the old one if there is one. A pattern such as `nsp-*`, or the
-    name of a part such as `realizations`, adds what is missing and never replaces. Raises LeakrefError for an unknown
-    id. Each row has `id`, `change` (`same`, `new`, or which fields differ), `largest` (the largest change of a value),
-    the same over its tolerance, and whether it was `written`. Entries that agree with the old ones within their
-    tolerance are `same` and not written, since other processors round otherwise. `work` is where slow parts are kept;
-    `step` is called after each entry. LeakrefError is also raised where routes disagree.
+    Nothing wanted: all that the set itself holds; what differs is written beside the old file as `NAME.new.json` and
+    not taken over. What it extends is another set's, and is not touched. An id that is named is written to the set,
+    over the old one if there is one. A pattern such as `nsp-*`, or the name of a part such as `realizations`, adds what
+    is missing and never replaces. Raises LeakrefError for an id that is none of the set's own. Each row has `id`,
+    `change` (`same`, `new`, or which fields differ), `largest` (the largest change of a value), the same over its
+    tolerance, and whether it was `written`. Entries that agree with the old ones within their tolerance are `same` and
+    not written, since other processors round otherwise. `work` is where slow parts are kept; `step` is called after
+    each entry. LeakrefError is also raised where routes disagree.
     """
-    possible = ids(*SETS)
+    possible = ids(*SETS, number=_number(folder))
     golden = Golden(folder)
-    old = {entry.id: entry for entry in golden.entries()} if (folder / "manifest.json").is_file() else {}
+    there = (folder / "manifest.json").is_file()
+    old = {entry.id: entry for entry in golden.own()} if there else {}
+    before_it = {entry.id: entry for entry in golden.base.entries()} if there and golden.base else {}
     exact = [w for w in wanted if w in possible]
-    meant = {w: list(ids(w)) if w in SETS else [i for i in possible if fnmatchcase(i, w)] for w in wanted}
+    meant = {
+        w: list(ids(w, number=_number(folder))) if w in SETS else [i for i in possible if fnmatchcase(i, w)]
+        for w in wanted
+    }
     matching = [i for w in wanted if w not in possible for i in meant[w] if i not in old]
     for w in wanted:
-        if not meant[w]:
-            raise LeakrefError(
-                "golden.regenerate",
-                f"no golden value is called {w!r}",
-                "define it in leakref/golden/vectors.py first; ids are listed in the manifest",
-            )
+        if not meant[w] and w not in SETS:
+            fault, remedy = f"no golden value of this set is called {w!r}", "ids are listed in the manifest"
+            if elsewhere := [n for n in sorted(TABLES) if any(fnmatchcase(i, w) for i in ids(*SETS, number=n))]:
+                remedy = f"it is of golden/v{elsewhere[0]}: add --golden {elsewhere[0]}"
+            raise LeakrefError("golden.regenerate", fault, f"define it in a table of leakref/golden first; {remedy}")
     chosen = list(dict.fromkeys([*exact, *matching])) if wanted else [i for i in possible if i in old]
-    archived = {v.id: v.archived for members in VECTORS.values() for v in members}
+    vectors = {v.id: v for members in VECTORS.values() for v in members}
     rows: list[dict[str, Any]] = []
     beside = dict(old)
+    unsaved: set[str] = set()
     for record in make(chosen, old, work, workers, step):
         record = json.loads(json.dumps(to_json(record)))
         if record["stage"] == "ensemble":
-            inherit(record, old)
-        record, arrays = _split(record, possible[record["id"]], archived.get(record["id"], ()))
-        new = Entry(possible[record["id"]], record, arrays)
+            inherit(record, {**before_it, **old})
+        record, arrays = _split(record, possible[record["id"]], vectors.get(record["id"]))
+        new = Entry(possible[record["id"]], record, arrays, folder.name)
         before = old.get(new.id)
         if before is not None and agree(before, new):
             rows.append({"id": new.id, "change": "same", "largest": 0.0, "over_tolerance": 0.0, "written": False})
@@ -157,8 +214,13 @@ def regenerate(
         beside[new.id] = new
         if take:
             old[new.id] = new
+            unsaved.add(new.file)
+        if take and not _disputed([e for e in old.values() if e.file == new.file]):
             _save(folder, old, possible, new.file)  # at once: an interrupted run keeps what it has made
             _write_manifest(folder)
+            unsaved.remove(new.file)
+    for file in sorted(unsaved):  # of a cube that several share some were made and some not
+        _save(folder, old, possible, file)
     if wanted:
         return rows, True
     changed = {row["id"] for row in rows if row["change"] != "same"}

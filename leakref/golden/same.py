@@ -11,9 +11,10 @@ from typing import Any
 
 import numpy as np
 
+from leakref.golden.defined import VECTORS
 from leakref.golden.sets import EPSILON, Entry, compare, tolerance
 from leakref.golden.stages import STAGES
-from leakref.golden.vectors import VECTORS, Vector
+from leakref.golden.vectors import Vector
 from leakref.grid import Grid
 
 __all__ = ["agree", "alike", "archived_tolerance", "given"]

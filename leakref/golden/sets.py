@@ -4,6 +4,9 @@ A set is a folder `v1`, `v2`, ... of JSON files with a manifest; `golden/README.
 language. An entry has an id, which is never reused, inputs, outputs, and for each output how many digits several routes
 agreed on.
 
+A set may extend another one: its folder then holds only what is new, its manifest names the other and the digest of
+that one's manifest, and reading it gives the entries of both.
+
 **Tolerance.** One formula, `tolerance`: a margin of 8 times the rounding of float64, 2^-52, times the conditioning that
 the entry states: by how much, to first order and in the output's own unit, an output moves if every rounding on the way
 is one unit of 2^-52. It is computed when an entry is made (`leakref.golden.entries`), never chosen. Whole numbers and
@@ -24,7 +27,7 @@ from __future__ import annotations
 import hashlib
 import io
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from importlib import resources
@@ -39,6 +42,7 @@ from leakref.golden.digests import PUT_BACK, canonical, sealed, strict
 __all__ = [
     "EPSILON",
     "MARGIN",
+    "NEWEST",
     "SCHEMA_VERSION",
     "SETS",
     "Entry",
@@ -46,6 +50,7 @@ __all__ = [
     "Golden",
     "Report",
     "agreed_digits",
+    "archived",
     "compare",
     "entry_digest",
     "locate",
@@ -56,6 +61,8 @@ EPSILON = 2.0**-52
 """The spacing of float64 at 1."""
 MARGIN = 8.0
 """Between one rounding of every operation, as the conditioning counts it, and what is let pass."""
+NEWEST = 2
+"""The number of the set that is used where none is asked for."""
 SCHEMA_VERSION = 1
 """Of entries and manifests; another one is another format."""
 SETS = ("vectors", "analytic", "realizations", "ensembles")
@@ -118,12 +125,15 @@ class Entry:
     """One golden record and the file (relative to its set's folder) it is from.
 
     - `file`: such as `vectors/nsp.json`; `record`: the object in that file, as it is.
-    - `arrays`: of the npz beside the file, by `id.name`; large inputs are kept there and not in the JSON.
+    - `arrays`: large inputs, which are kept beside the file and not in the JSON: of an npz by `id.name`, others by the
+      name of the file of raw float64 that holds one.
+    - `folder`: the name of the set's folder, such as `v1`.
     """
 
     file: str
     record: Mapping[str, Any]
     arrays: Mapping[str, FloatArray] = field(default_factory=dict)
+    folder: str = ""
 
     @property
     def id(self) -> str:
@@ -137,7 +147,7 @@ class Entry:
 
     @cached_property
     def input(self) -> dict[str, Any]:
-        """The inputs; arrays kept in an npz are read in. Numbers and lists stay as JSON has them."""
+        """The inputs; arrays kept beside the file are read in. Numbers and lists stay as JSON has them."""
         return {name: self._array(value) for name, value in self.record["input"].items()}
 
     @cached_property
@@ -154,9 +164,8 @@ class Entry:
         return given.reshape(given.shape + (1,) * (self.output[name].ndim - given.ndim if given.ndim else 0))
 
     def _array(self, value: Any) -> Any:
-        if isinstance(value, dict) and set(value) == {"npz", "array"}:
-            return self.arrays[value["array"]]
-        return value
+        name = archived(value)
+        return value if name is None else self.arrays[name]
 
     @property
     def values(self) -> int:
@@ -164,10 +173,17 @@ class Entry:
         return int(sum(np.isfinite(v).sum() for v in self.output.values()))
 
 
-def locate(number: int = 1) -> Traversable:
+def archived(value: Any) -> str | None:
+    """Under which name of `Entry.arrays` an input is found, if it is kept beside the file; None if it is not."""
+    if isinstance(value, dict) and set(value) in ({"npz", "array"}, {"f64", "shape"}):
+        return str(value.get("array") or value["f64"])
+    return None
+
+
+def locate(number: int = NEWEST) -> Traversable:
     """The folder of golden set `number`, as installed. Raises LeakrefError if there is none.
 
-    `number` counts from 1: `v1`, `v2`, ...
+    `number` counts from 1: `v1`, `v2`, ...; the default is the newest.
     """
     folder = resources.files("leakref._golden").joinpath(f"v{number}")
     if not folder.joinpath("manifest.json").is_file():
@@ -176,12 +192,13 @@ def locate(number: int = 1) -> Traversable:
 
 
 class Golden:
-    """A set of golden values in `folder`.
+    """A set of golden values in `folder`, with all of the set that it extends.
 
     Files are read when asked for, and compared with the digests of the manifest before anything in them is used;
     `Damaged` if one cannot be read or was changed.
 
-    `folder` is set 1 as installed unless given; a path or anything that `importlib.resources` gives.
+    `folder` is the newest set as installed unless given; a path or anything that `importlib.resources` gives. The set
+    that it extends is looked for beside it.
 
     For instance, to hold a code of one's own to an entry:
 
@@ -204,7 +221,7 @@ class Golden:
 
     @cached_property
     def manifest(self) -> dict[str, Any]:
-        """What the set says it holds.
+        """What the set itself says it holds, without what it extends.
 
         Read once. `Damaged` is raised if it cannot be read, is not strict JSON, or is not sealed by its own digest.
         """
@@ -212,6 +229,23 @@ class Golden:
         if not isinstance(said, dict) or not isinstance(said.get("files"), dict) or not sealed(said):
             raise Damaged("golden", "manifest.json was changed: its own SHA-256 is not that of what it says", PUT_BACK)
         return said
+
+    @cached_property
+    def base(self) -> Golden | None:
+        """The set that this one extends; None if it stands alone. `Damaged` if it is another than it was made for."""
+        said = self.manifest.get("extends")
+        if said is None:
+            return None
+        base = Golden(self.folder.parent / said["set"])  # type: ignore[attr-defined]
+        if base.manifest["sha256"] != said["sha256"]:
+            fault = f"{said['set']} is another than the one that {self.manifest['set']} extends"
+            raise Damaged("golden", fault, PUT_BACK)
+        return base
+
+    @property
+    def chain(self) -> tuple[Golden, ...]:
+        """The sets that it is made of, the first of them first and itself last."""
+        return (*(self.base.chain if self.base else ()), self)
 
     def _unchanged(self, name: str) -> bytes:
         """A file of the set that has the digest of the manifest."""
@@ -221,19 +255,21 @@ class Golden:
         return content
 
     def file(self, name: str) -> list[Entry]:
-        """The entries of one JSON file of the set, with the arrays that lie beside it.
+        """The entries of one JSON file, those of the set that is extended first, with the arrays that lie beside it.
 
-        Raises `Damaged` if either file cannot be read or has another digest than the manifest's.
+        Raises `Damaged` if a file cannot be read or has another digest than the manifest's.
         """
-        return self.as_it_is(name, self._unchanged)
+        holding = [golden for golden in self.chain if name in golden.manifest["files"]] or [self]
+        return [entry for golden in holding for entry in golden.as_it_is(name, golden._unchanged)]
 
     def as_it_is(self, name: str, read: Callable[[str], bytes] | None = None) -> list[Entry]:
-        """The same whatever the manifest says: for finding out what was changed.
+        """What the set itself has of a file, whatever the manifest says: for finding out what was changed.
 
         `read` gives the bytes of a file by name; the default takes them as they are. `Damaged` is raised for what
         cannot be parsed.
         """
         read = read or self._read
+        records = self._json(name, read(name))["entries"]
         beside = name.removesuffix(".json") + ".npz"
         arrays: dict[str, FloatArray] = {}
         if self.folder.joinpath(*beside.split("/")).is_file():
@@ -243,27 +279,45 @@ class Golden:
                     arrays = {key: stored[key] for key in stored.files}
             except Exception as error:  # zip, CRC, header: whatever an edited archive may raise
                 raise Damaged("golden", f"{beside} cannot be read ({error})", PUT_BACK) from None
-        return [Entry(name, record, arrays) for record in self._json(name, read(name))["entries"]]
+        for value in (value for record in records for value in record["input"].values()):
+            if (raw := archived(value)) is not None and "f64" in value:
+                arrays[raw] = _raw(f"{name.rpartition('/')[0]}/{raw}", value["shape"], read)
+        return [Entry(name, record, arrays, self.folder.name) for record in records]
 
     def entries(self, *sets: str) -> Iterator[Entry]:
-        """The entries of the given parts (default: all there are) in the order of the manifest."""
+        """The entries of the given parts (default: all there are), set by set in the order of their manifests."""
+        for golden in self.chain:
+            yield from golden.own(*sets)
+
+    def own(self, *sets: str) -> Iterator[Entry]:
+        """The same without those of the set that is extended."""
         for name in self.manifest["files"]:
             if name.endswith(".json") and name != "schema.json" and (not sets or name.split("/")[0] in sets):
-                yield from self.file(name)
+                yield from self.as_it_is(name, self._unchanged)
 
     def entry(self, identifier: str) -> Entry:
         """The entry of that id. Raises LeakrefError.
 
         Only the file that holds it is read.
         """
-        for name, row in self.manifest["files"].items():
-            if identifier in row.get("entries", ()):
-                return next(entry for entry in self.file(name) if entry.id == identifier)
+        for golden in self.chain:
+            for name, row in golden.manifest["files"].items():
+                if identifier in row.get("entries", ()):
+                    own = golden.as_it_is(name, golden._unchanged)
+                    return next(entry for entry in own if entry.id == identifier)
         raise LeakrefError(
             "golden",
             f"no golden value is called {identifier!r}",
-            "`leakref golden lint --json` counts what there is; ids are in golden/v1/manifest.json",
+            "`leakref golden lint --json` counts what there is; ids are in golden/v1/manifest.json and those after it",
         )
+
+
+def _raw(name: str, shape: Sequence[int], read: Callable[[str], bytes]) -> FloatArray:
+    """The file `name`, little-endian float64 in C order, as an array of that shape. Raises Damaged."""
+    try:
+        return np.frombuffer(read(name), dtype="<f8").astype(np.float64).reshape(shape)
+    except (ValueError, TypeError) as error:
+        raise Damaged("golden", f"{name} is not of the shape {shape} ({error})", PUT_BACK) from None
 
 
 def entry_digest(entry: Entry) -> str:
@@ -272,14 +326,8 @@ def entry_digest(entry: Entry) -> str:
     That is of the canonical JSON and, for arrays, of name, shape and little-endian float64 bytes, so that neither an
     indentation nor the way an archive is packed counts.
     """
-    used = sorted(
-        {
-            value["array"]
-            for part in ("input", "output")
-            for value in entry.record[part].values()
-            if isinstance(value, dict) and "npz" in value
-        }
-    )
+    given = (value for part in ("input", "output") for value in entry.record[part].values())
+    used = sorted({name for name in map(archived, given) if name is not None})
     content = [canonical(entry.record)]
     for name in used:
         array = np.ascontiguousarray(entry.arrays[name], dtype="<f8")

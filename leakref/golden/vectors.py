@@ -1,8 +1,7 @@
 """What golden vectors there are: for each its inputs and the class of mistake it exists for.
 
-To add one: append a line to `VECTORS` and run `leakref golden regenerate ID`. An id is never reused: a correction is a
-new id with `supersedes` set to the old one. Inputs are short decimals or follow from the grid; no output is written
-here.
+These are those of `v1`, which are as they are; to add one see `defined`. An id is never reused: a correction is a new
+id with `supersedes` set to the old one. Inputs are short decimals or follow from the grid; no output is written here.
 """
 
 from __future__ import annotations
@@ -25,7 +24,8 @@ EASY, MODERATE, HARD = "easy", "moderate", "hard"
 
 @dataclass(frozen=True)
 class Vector:
-    """`input` as written to JSON, but those named in `archived` go to an npz; `faults` are ids of faults."""
+    """`input` as written to JSON, but those named in `archived` beside it: in an npz, or in a file of float64 named
+    `raw`, which vectors may share. `faults` are ids of faults."""
 
     id: str
     stage: str
@@ -36,6 +36,7 @@ class Vector:
     decisions: tuple[str, ...] = ()
     archived: tuple[str, ...] = ()
     supersedes: str | None = None
+    raw: str = ""
 
 
 OBLONG = Grid((20, 17, 48), (0.9, 0.8, 0.6))  # even, odd, even; dx != dy

@@ -19,13 +19,13 @@ from leakref._base import LeakrefError
 from leakref.cases import REALIZATIONS
 from leakref.decisions import DECISIONS
 from leakref.golden import oracle
+from leakref.golden.defined import VECTORS
 from leakref.golden.entries import Step, certified, closed_form, describe, statistics_of
-from leakref.golden.ids import configuration_of, ensemble_id
+from leakref.golden.ids import configuration_of, ensemble_id, methods_of
 from leakref.golden.same import alike
 from leakref.golden.sets import SETS, Entry, Failure, Golden, Report, compare
 from leakref.golden.stages import STAGES
 from leakref.golden.stages.stage import plain
-from leakref.golden.vectors import VECTORS
 
 __all__ = ["looked_at", "verify", "verify_entry"]
 
@@ -85,7 +85,8 @@ def verify(
     golden = golden or Golden()
     failures = [
         Failure("manifest.json", f"decision {name} was {said!r} when this set was made, and is another now")
-        for name, said in golden.manifest["decisions"].items()
+        for one in golden.chain
+        for name, said in one.manifest["decisions"].items()
         if name not in DECISIONS or DECISIONS[name].reference != said
     ]
     full = full or bool(wanted)
@@ -125,14 +126,17 @@ def looked_at(golden: Golden, full: bool, wanted: Sequence[str] = ()) -> list[En
     ]
 
 
+_QUICK = ("nsp-ls", "theta0-dtheta/direction=60,spread=15")
+"""Configurations of L = 10 and T = 20 that are looked at all the same, as are those over a bottom."""
+
+
 def _is_quick(entry: Entry) -> bool:
     if entry.stage == "realization":
         given = entry.record["input"]
         return bool(
             given["realization"] == 0
             and given["length"] <= 10
-            and given["duration"]
-            <= 10 * (1 + (given["configuration"] in ("nsp-ls", "theta0-dtheta/direction=60,spread=15")))
+            and given["duration"] <= 10 * (1 + ("depth" in given or given["configuration"] in _QUICK))
         )
     return entry.stage != "ensemble"
 
@@ -147,7 +151,7 @@ def _verify_realizations(
         c, number = configuration_of(entry.id), int(entry.record["input"]["realization"])
         if not alike(describe(c), {k: v for k, v in entry.record["input"].items() if k != "realization"}):
             failures.append(Failure(entry.id, "the configuration of that name is another now", entry.stage))
-        failures += _without_null(entry, closed_form(c, number), "B")
+        failures += _without_null(entry, closed_form(c, number, methods_of(entry.id)), "B")
         if entry.id in again:
             record = again[entry.id]
             failures += _without_null(entry, {**Entry(entry.file, record).output, "notes": record["notes"]}, "A")
@@ -178,17 +182,19 @@ def _verify_ensembles(
 ) -> list[Failure]:
     wanted = {entry.id: entry for entry in entries}
     failures = []
-    with runs.pool(workers) as executor:
-        for found in runs.run(
-            list(dict.fromkeys(configuration_of(i) for i in wanted)),
-            realizations=REALIZATIONS,
-            route=route,
-            folder=work and work / "runs",
-            executor=executor,
-        ):
-            for e in found:
-                entry = wanted.get(ensemble_id(e.configuration, e.window, e.method))
-                if entry is not None:
-                    failures += compare(entry, statistics_of(e), route)
-                    step()
+    for methods in dict.fromkeys(methods_of(i) for i in wanted):
+        with runs.pool(workers) as executor:
+            for found in runs.run(
+                list(dict.fromkeys(configuration_of(i) for i in wanted if methods_of(i) == methods)),
+                realizations=REALIZATIONS,
+                methods=methods,
+                route=route,
+                folder=work and work / "runs",
+                executor=executor,
+            ):
+                for e in found:
+                    entry = wanted.get(ensemble_id(e.configuration, e.window, e.method))
+                    if entry is not None:
+                        failures += compare(entry, statistics_of(e), route)
+                        step()
     return failures

@@ -13,11 +13,11 @@ from typing import Any
 
 from leakref._base import FloatArray
 from leakref._output import console, dump, envelope, folder
-from leakref.cases import CASES, REALIZATIONS, Configuration
+from leakref.cases import PAPER_CASES, REALIZATIONS, Configuration
 from leakref.dispersion import velocity_resolutions
 from leakref.ensemble import statistics_record
 from leakref.figures import Result, result_figure, save
-from leakref.golden.sets import Golden
+from leakref.golden.sets import Golden, locate
 
 __all__ = ["RESULTS", "Stored", "draw_illustrations", "draw_results", "run", "stored"]
 
@@ -60,9 +60,12 @@ class Stored:
 
 
 def stored(golden: Golden | None = None) -> Iterator[Stored]:
-    """Every ensemble of the paper as the golden set has it. Raises Damaged for a set that is not whole."""
-    known = {c.id: c for members in CASES.values() for c in members}
-    for entry in (golden or Golden()).entries("ensembles"):
+    """Every ensemble of the paper as the golden set has it, `v1` unless it is given, which has those and no other.
+
+    Raises Damaged for a set that is not whole.
+    """
+    known = {c.id: c for members in PAPER_CASES.values() for c in members}
+    for entry in (golden or Golden(locate(1))).entries("ensembles"):
         given, out = entry.record["input"], entry.output
         c = known[given["configuration"]]
         yield Stored(

@@ -18,8 +18,10 @@ from rich.console import Console
 from leakref import runs
 from leakref._output import console, dump, envelope, folder, progress_bar, write_whole
 from leakref._tables import Table
-from leakref.cases import Configuration, configurations
+from leakref.cases import ASSUMED_DEEP, Configuration, configurations
+from leakref.dispersion import DEEP
 from leakref.ensemble import Ensemble
+from leakref.paper import depth
 from leakref.paper.shear import DIRECTIONS, Inferred, Sheared, answer, inferred, sheared
 from leakref.shell import Note
 
@@ -27,8 +29,11 @@ __all__ = ["run", "table"]
 
 
 def _named(ids: Sequence[str]) -> list[Configuration]:
-    """Configurations of the paper and of case shear, in order and once. Raises LeakrefError for an unknown id."""
+    """Configurations of the paper and of cases shear and depth, in order and once. Raises LeakrefError for an unknown
+    id. Case depth is measured twice: with the depth known, and taken for deep.
+    """
     found = [c for name in ids for c in (sheared(name) or configurations([name]))]
+    found += ASSUMED_DEEP if depth.CASE in ids else ()
     return list({c.id: c for c in found}.values())
 
 
@@ -51,7 +56,7 @@ def run(
 
     `route` is `A` or `B`; `scheduler` the address of a dask cluster, which goes before `workers`. LeakrefError is
     raised for an unknown id and for what `runs` refuses. For case shear there is also a table of inferred shears, and
-    the answer in words.
+    the answer in words; for case depth one of what it costs to take the water for deep.
     """
     chosen = _named(ids)
     folder(out)
@@ -65,6 +70,8 @@ def run(
             _write(out, found[0].configuration.id, found)
     shears = [row for e in done if isinstance(e.configuration, Sheared) for row in inferred(e)]
     result = envelope("reproduce", True, cases=[_record(e) for e in done], route=route)
+    if wrong := depth.mistakes(done):
+        result |= {"assumed_deep": [row.record() for row in wrong]}
     if shears:
         result |= {"shear": [row.record() for row in shears], "answer": answer(shears)}
     write_whole(out / "reproduce.json", lambda path: path.write_text(dump(result) + "\n", encoding="utf-8"))
@@ -75,6 +82,8 @@ def run(
         for configuration in chosen:
             if not isinstance(configuration, Sheared):
                 Console().print(table([e for e in done if e.configuration is configuration]))
+        if wrong:
+            Console().print(depth.mistakes_table(wrong, realizations))
         if shears:
             Console().print(_shear_table(shears, realizations))
             Console().print(answer(shears), soft_wrap=True, highlight=False)
@@ -121,21 +130,35 @@ def _write(out: Path, name: str, ensembles: Sequence[Ensemble]) -> None:
 
 
 def _record(e: Ensemble) -> dict[str, Any]:
-    """With the profile and its truth, if the current is sheared: `current` is then that at the surface."""
+    """With the profile and its truth, if the current is sheared: `current` is then that at the surface. Where the
+    water is not deep also its depth and tension, and the depth that the velocities were measured with, null if none.
+    """
     c = e.configuration
-    return e.record() | ({"profile": c.profile, "truth": c.truth} if isinstance(c, Sheared) else {})
+    said: dict[str, Any] = {"profile": c.profile, "truth": c.truth} if isinstance(c, Sheared) else {}
+    if c.water != DEEP:
+        assumed = c.measured_in.depth
+        said |= {"depth": c.depth, "surface_tension": c.surface_tension, "assumed_depth": assumed}
+    return e.record() | said
 
 
 def _draw(out: Path, ensembles: Sequence[Ensemble], realizations: int, everything: bool) -> list[Path]:
-    """Paths of all pictures; of case shear one of its own."""
+    """Paths of all pictures; of cases shear and depth one each of its own."""
     from leakref.figures import save
     from leakref.paper.figures import draw_illustrations, draw_results
 
-    drawn = draw_results(out, [e for e in ensembles if not isinstance(e.configuration, Sheared)], realizations)
+    over_bottom = [e for e in ensembles if e.configuration.case == depth.CASE]
+    others = [e for e in ensembles if not isinstance(e.configuration, Sheared) and e not in over_bottom]
+    drawn = draw_results(out, others, realizations)
     if everything:
         drawn += draw_illustrations(out)
     of_shear = [e for e in ensembles if isinstance(e.configuration, Sheared)]
     paths = [path for one in drawn for path in one["files"]]
+    if over_bottom:
+        from leakref.paper.depthfigure import depth_figure
+
+        count = f"{realizations} realisation{'s' * (realizations > 1)}"
+        words = f"What it costs to take water for deep: errors in still water, {count}"
+        paths += save(depth_figure(over_bottom, words), out / "figure_depth")
     if of_shear:
         from leakref.paper.shearfigure import shear_figure
 

@@ -31,7 +31,7 @@ from scipy.stats import binomtest
 from leakref import runs
 from leakref._base import FloatArray
 from leakref._output import dump, envelope, folder, progress_bar
-from leakref.cases import CASES, Configuration, configurations
+from leakref.cases import PAPER_CASES, Configuration, configurations
 from leakref.claims.stored import write
 from leakref.ensemble import Ensemble
 from leakref.track.changes import ALPHA, BANDS, Comparison, compare, in_band
@@ -126,7 +126,7 @@ def _mirrored(configuration: Configuration) -> Configuration:
 
 def _null(place: Path, executor: Executor | None, step: Progress) -> dict[str, Any]:
     """The tallies of both kinds of null comparison, and of all together."""
-    everything = [c for members in CASES.values() for c in members]
+    everything = [c for members in PAPER_CASES.values() for c in members]
     turned = [c for c in everything if c.direction != 90.0 and not c.speed]
     rng = np.random.default_rng(20231101265)
 
@@ -198,7 +198,9 @@ def run(out: Path | None, *, place: Path, workers: int, json: bool) -> bool:
 
     With `out` the record is written there as JSON, a planted rise a line. `workers` are processes.
     """
-    total = _REALIZATIONS * sum(len(members) + sum(c.direction != 90.0 for c in members) for members in CASES.values())
+    total = _REALIZATIONS * sum(
+        len(members) + sum(c.direction != 90.0 for c in members) for members in PAPER_CASES.values()
+    )
     with progress_bar("realisations", total) as step, runs.pool(workers) as executor:
         null = _null(folder(place) / "parts", executor, step)
         planted = list(_planted(place / "parts", executor))

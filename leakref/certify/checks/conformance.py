@@ -19,17 +19,28 @@ from leakref.certify.checks.criteria import as_array, expected, unflagged, verdi
 from leakref.certify.checks.exact import EXACT, as_good
 from leakref.certify.checks.inputs import Cube, polar
 from leakref.certify.checks.registry import CHECKS, Case, Check, Outcome, check
+from leakref.certify.subject.declaration import WATER
 from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Unanswered, Verdict
 from leakref.currents import UniformCurrent
 from leakref.dispersion import Scales, Water
-from leakref.golden.sets import Entry, Golden, agreed_digits, locate
+from leakref.golden.sets import NEWEST, Entry, Golden, agreed_digits, locate
 from leakref.grid import Grid
 from leakref.sea import Components
 from leakref.synthesis import synthesize
 
-__all__ = ["PRECISION", "check_extract", "check_sea", "check_spectrum", "check_surface", "check_window", "of_set"]
+__all__ = [
+    "NEWEST",
+    "PRECISION",
+    "check_extract",
+    "check_sea",
+    "check_spectrum",
+    "check_surface",
+    "check_window",
+    "of_set",
+]
 
+_RIPPLES = 100.0  # k0 of waves that feel the surface tension, rad/m
 PRECISION = 1e-5
 """Of the largest value: a hundred times what single precision rounds, a thousandth of an error of one percent."""
 CLOSE = (
@@ -51,9 +62,16 @@ def _entries(stage: str, number: int) -> dict[str, Entry]:
     return {entry.id: entry for entry in Golden(locate(number)).file(f"vectors/{stage}.json") if entry.values}
 
 
-def _vectors(*stages: str, number: int = 1) -> list[Case]:
+def _vectors(*stages: str, number: int = NEWEST) -> list[Case]:
+    """A case for each vector of the stages; those in other water than deep are for codes that are told of it."""
     return [
-        Case(identifier, {"stage": stage, "set": number}) for stage in stages for identifier in _entries(stage, number)
+        Case(
+            identifier,
+            {"stage": stage, "set": number},
+            water=tuple(name for name in WATER if name in entry.record["input"]),
+        )
+        for stage in stages
+        for identifier, entry in _entries(stage, number).items()
     ]
 
 
@@ -141,7 +159,8 @@ def _velocities(
 ) -> Outcome:
     """Compare with `golden` (n, 2), NaN where there is no number; `allowed` (n, 1) is its tolerance."""
     numbers = np.asarray(np.isfinite(golden).all(axis=1))
-    found, there = as_array(subject, surface, cube.spacing, cube.wavenumbers, window, method, numbers, cube.water)
+    asked = cube.spacing, cube.wavenumbers, window, method
+    found, there = as_array(subject, surface, *asked, numbers, cube.water, cube.scale)
     known = there & numbers
     over = np.full(known.size, np.nan)
     if known.any():
@@ -156,16 +175,16 @@ def _velocities(
 @check("conformance", "eq:normSp", SCORED, _vectors("nsp", "ls", "extract"))
 def check_extract(subject: Subject, case: Case) -> Outcome:
     """Velocities of small cubes, each with a purpose of its own: all four signs, uneven sides, prime sizes, gravity in
-    SI units, waves swept backwards, bins on a threshold."""
+    SI units, waves swept backwards, bins on a threshold; in water of several depths, waves of centimetres."""
     entry = _entry(case)
-    given, scales = entry.input, Scales(1.0, entry.input["gravity"])
-    dx, dy, dt = given["spacing"]
-    grid = Grid(tuple(given["shape"]), (dx, dy, dt / scales.time))
-    waves = _waves(entry)
-    scaled = Components(waves.kx, waves.ky, waves.omega / scales.frequency, waves.amplitude, waves.phase)
+    given, k0 = entry.input, _RIPPLES if "surface_tension" in case.water else 1.0
+    scales, (dx, dy, dt), waves = Scales(k0, given["gravity"]), given["spacing"], _waves(entry)
+    grid = Grid(tuple(given["shape"]), (dx * k0, dy * k0, dt / scales.time))
+    scaled = Components(waves.kx / k0, waves.ky / k0, waves.omega / scales.frequency, waves.amplitude * k0, waves.phase)
     water = Water(given["gravity"], given.get("depth", np.inf), given.get("surface_tension", 0.0)).to_scaled(scales)
-    cube = Cube(scaled, grid, np.asarray(given["wavenumbers"]), UniformCurrent(), water)
-    surface = np.asarray(given["surface"]) if "surface" in given else cube.surface
+    scale = k0 * subject.units(1.0)[0] if k0 != 1 and subject.declaration.units == "si" else 1.0  # as long as they are
+    cube = Cube(scaled, grid, np.asarray(given["wavenumbers"]) / k0, UniformCurrent(), water, scale)
+    surface = np.asarray(given["surface"]) * k0 if "surface" in given else cube.surface
     return _velocities(
         subject,
         cube,

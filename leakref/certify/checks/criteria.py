@@ -154,6 +154,7 @@ def as_array(
     method: str,
     needed: npt.NDArray[np.bool_] | None = None,
     water: Water | None = None,
+    scale: float = 1.0,
 ) -> tuple[FloatArray, npt.NDArray[np.bool_]]:
     """As `ask`, but of a surface [x, y, t] taken as an array: an implementation with y downwards sees the same one.
 
@@ -161,7 +162,9 @@ def as_array(
     those that are not `needed` (n,).
     """
     turn = -1 if subject.declaration.y == "down" else 1
-    found = subject.extract(surface[:, ::turn], spacing, wavenumbers, window=window, method=method, water=water)
+    found = subject.extract(
+        surface[:, ::turn], spacing, wavenumbers, window=window, method=method, water=water, scale=scale
+    )
     return found.values * [1, turn], answered(subject, found, needed)
 
 

@@ -7,6 +7,7 @@ bins fix the current in every water, so that what is off here is off because of 
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -52,6 +53,8 @@ SAME = 0.05
 """Relative: depths that two waves tell of, as one."""
 NO_BOTTOM = 3e-4
 """Of tanh(k h) from 1: what the rounding of optimisers does to it."""
+DEPTH, SURFACE = ("depth",), ("surface_tension",)
+"""What a code must be told of the water for a question."""
 BINS = {
     "even": ((5, 3), (-2, 5)),
     "odd": ((-4, 4), (5, 2)),
@@ -60,9 +63,8 @@ BINS = {
 """Of a pair of waves on each grid."""
 
 
-def _told(subject: Subject, name: str) -> None:
-    if name not in subject.told:
-        raise Unanswered(Verdict.UNSUPPORTED, f"is not told the {name.replace('_', ' ')}")
+def _case(identifier: str, given: dict[str, Any], *, quick: bool = True, water: tuple[str, ...] = DEPTH) -> Case:
+    return Case(identifier, given, quick, water=water)
 
 
 def _scale(subject: Subject) -> float:
@@ -127,18 +129,17 @@ def _handed(subject: Subject, water: Water, scale: float = 1.0) -> str:
     "sec:theory",
     EXACTLY + MORE,
     [
-        Case("0.7", {"grid": "even", "depth": 0.7, "near": (0.11, -0.13)}),
-        Case("1.2", {"grid": "odd", "depth": 1.2, "near": (0.05, 0.2)}),
-        Case("2", {"grid": "prime", "depth": 2.0, "near": (-0.15, 0.05)}),
-        Case("0.7-2", {"grid": "prime", "depth": 0.7, "near": (0.0, 0.0)}, quick=False),
-        Case("1.2-2", {"grid": "even", "depth": 1.2, "near": (-0.2, 0.1)}, quick=False),
+        _case("0.7", {"grid": "even", "depth": 0.7, "near": (0.11, -0.13)}),
+        _case("1.2", {"grid": "odd", "depth": 1.2, "near": (0.05, 0.2)}),
+        _case("2", {"grid": "prime", "depth": 2.0, "near": (-0.15, 0.05)}),
+        _case("0.7-2", {"grid": "prime", "depth": 0.7, "near": (0.0, 0.0)}, quick=False),
+        _case("1.2-2", {"grid": "even", "depth": 1.2, "near": (-0.2, 0.1)}, quick=False),
     ],
 )
 def check_aligned(subject: Subject, case: Case) -> Outcome:
     """Two waves on bins, in water as deep as the id says, k0 h: a tanh outside the root, k h in cycles, a depth in
     feet, counted negative or not used at all gives another current, and the paper's deep water is an eighth off where
     k0 h is 1."""
-    _told(subject, "depth")
     grid, near = case.given["grid"], case.given["near"]
     water = replace(inputs.still(), depth=case.given["depth"])
     cube, more = _pair(grid, near, water), _many(grid, near, water)
@@ -152,9 +153,9 @@ def check_aligned(subject: Subject, case: Case) -> Outcome:
     "sec:theory",
     EXACT_OR_SCORE + others_in_words("a tenth of ") + TAPERED,
     [
-        Case("0.9", {"depth": 0.9, "current": (5, -5)}),
-        Case("1.6", {"depth": 1.6, "current": (-5, 0)}, quick=False),
-        Case("tension", {"surface_tension": TENSION, "current": (0, -5)}),
+        _case("0.9", {"depth": 0.9, "current": (5, -5)}),
+        _case("1.6", {"depth": 1.6, "current": (-5, 0)}, quick=False),
+        _case("tension", {"surface_tension": TENSION, "current": (0, -5)}, water=SURFACE),
     ],
 )
 def check_ring(subject: Subject, case: Case) -> Outcome:
@@ -162,8 +163,6 @@ def check_ring(subject: Subject, case: Case) -> Outcome:
     water: nothing is there to interpolate or to weigh, so that every algorithm is right to a few digits, and what is
     off is off because of the law of dispersion."""
     law = {name: value for name, value in case.given.items() if name in WATER}
-    for name in law:
-        _told(subject, name)
     scale = _scale(subject) if "surface_tension" in law else 1.0
     water = replace(subject.still(scale), **law)
     with inputs.in_water(water):
@@ -179,15 +178,14 @@ def check_ring(subject: Subject, case: Case) -> Outcome:
     "sec:theory",
     EXACTLY + " No truth about the sea is needed: what the law of dispersion takes from the waves, the current gives.",
     [
-        Case("1.2-for-0.8", {"grid": "even", "made": 0.8, "told": 1.2, "near": (0.08, -0.1)}),
-        Case("deep-for-1", {"grid": "odd", "made": 1.0, "told": np.inf, "near": (0.12, 0.1)}),
-        Case("0.9-for-deep", {"grid": "prime", "made": np.inf, "told": 0.9, "near": (-0.1, 0.0)}),
+        _case("1.2-for-0.8", {"grid": "even", "made": 0.8, "told": 1.2, "near": (0.08, -0.1)}),
+        _case("deep-for-1", {"grid": "odd", "made": 1.0, "told": np.inf, "near": (0.12, 0.1)}),
+        _case("0.9-for-deep", {"grid": "prime", "made": np.inf, "told": 0.9, "near": (-0.1, 0.0)}),
     ],
 )
 def check_change(subject: Subject, case: Case) -> Outcome:
     """One and the same cube, and another depth handed over: the answer must change by what the law of dispersion says.
     A depth that is not used, or only where it was never tried, that of the tile before or a default changes nothing."""
-    _told(subject, "depth")
     given, still = case.given, inputs.still()
     cube = _pair(given["grid"], given["near"], replace(still, depth=given["made"]))
     other = _in_other_water(cube, replace(still, depth=given["told"]))
@@ -221,14 +219,13 @@ def check_change(subject: Subject, case: Case) -> Outcome:
     "sec:theory",
     EXACTLY + MORE,
     [
-        Case("30", {"grid": "even", "depth": 30.0, "near": (0.1, 0.15)}),
-        Case("ten-thousand", {"grid": "odd", "depth": 1e4, "near": (-0.12, 0.1)}),
+        _case("30", {"grid": "even", "depth": 30.0, "near": (0.1, 0.15)}),
+        _case("ten-thousand", {"grid": "odd", "depth": 1e4, "near": (-0.12, 0.1)}),
     ],
 )
 def check_limit(subject: Subject, case: Case) -> Outcome:
     """Water so deep that no wave feels the bottom, k0 h of 30 and of ten thousand (the ocean under waves of a few
     metres): the answer is that of deep water, and no sinh or cosh of k h overflows on the way."""
-    _told(subject, "depth")
     grid, near = case.given["grid"], case.given["near"]
     water = replace(inputs.still(), depth=case.given["depth"])
     return each_method(
@@ -242,16 +239,15 @@ def check_limit(subject: Subject, case: Case) -> Outcome:
     "eq:dcdwk",
     IN_THE_MEAN,
     [
-        Case("0.7", {"depth": 0.7, "direction": 40.0, "current": polar(0.15, 75.0)}),
-        Case("1.2", {"depth": 1.2, "direction": -70.0, "current": polar(0.2, 160.0)}),
-        Case("2", {"depth": 2.0, "direction": 120.0, "current": polar(0.2, -60.0)}, quick=False),
-        Case("sheared", {"depth": 1.0, "direction": 60.0, "shear": True}),
+        _case("0.7", {"depth": 0.7, "direction": 40.0, "current": polar(0.15, 75.0)}),
+        _case("1.2", {"depth": 1.2, "direction": -70.0, "current": polar(0.2, 160.0)}),
+        _case("2", {"depth": 2.0, "direction": 120.0, "current": polar(0.2, -60.0)}, quick=False),
+        _case("sheared", {"depth": 1.0, "direction": 60.0, "shear": True}),
     ],
 )
 def check_sea(subject: Subject, case: Case) -> Outcome:
     """A broad sea in water of finite depth, tapered, as in the field; in one the current decays with depth, and each
     wavenumber feels what the bottom leaves of it (eq:SJ with the weight of finite depth)."""
-    _told(subject, "depth")
     given = case.given
     if given.get("shear") and subject.declaration.band:
         raise Unanswered(Verdict.UNSUPPORTED, "gives one velocity for the whole band")
@@ -270,18 +266,15 @@ TANK = Grid((36, 40, 90), (0.68, 0.62, 0.5))
     "sec:theory",
     EXACTLY + MORE + " In the sea: " + IN_THE_MEAN,
     [
-        Case("aligned", {"grid": "even", "near": (0.1, -0.1)}),
-        Case("tank", {"grid": "prime", "near": (-0.08, 0.12), "depth": 1.0}),
-        Case("sea", {"current": polar(0.2, 30.0)}),
+        _case("aligned", {"grid": "even", "near": (0.1, -0.1)}, water=SURFACE),
+        _case("tank", {"grid": "prime", "near": (-0.08, 0.12), "depth": 1.0}, water=DEPTH + SURFACE),
+        _case("sea", {"current": polar(0.2, 30.0)}, water=SURFACE),
     ],
 )
 def check_tension(subject: Subject, case: Case) -> Outcome:
     """Waves of a few centimetres, which surface tension makes faster, in a tank in water of finite depth as well: left
     out, divided by the density twice, or with k squared for k cubed the current is another one."""
-    _told(subject, "surface_tension")
     given = case.given
-    if "depth" in given:
-        _told(subject, "depth")
     scale = _scale(subject)
     water = replace(subject.still(scale), surface_tension=TENSION)
     water = replace(water, depth=given.get("depth", water.depth))

@@ -45,6 +45,8 @@ class Case:
     """Whether it is part of the quick profile."""
     seed: int = PUBLISHED
     """What its input is drawn from, in families that are (`draw.DRAWN`)."""
+    water: tuple[str, ...] = ()
+    """What of the water a code must be told for this to be asked of it."""
 
 
 @dataclass(frozen=True)
@@ -90,6 +92,8 @@ class Check:
             label=self.label,
             repro=f"leakref certify TARGET --only '{identifier}'{drawn} --keep FOLDER",
         )
+        if lacking := [name.replace("_", " ") for name in case.water if name not in subject.told]:
+            return replace(blank, verdict=Verdict.UNSUPPORTED, message=f"is not told the {' and '.join(lacking)}")
         identify(subject)
         subject.calls.clear()
         subject.gaps = ""

@@ -29,6 +29,7 @@ from leakref.certify.strength.replays import ENOUGH, Names, Scored
 from leakref.certify.strength.symptoms import other_maxima, symptoms
 from leakref.certify.subject.frames import OWN, Subject
 from leakref.certify.verdict import WRONG, Finding, Verdict
+from leakref.golden.sets import NEWEST
 
 __all__ = ["ENOUGH", "Diagnosis", "Hypothesis", "departure", "diagnose", "explain"]
 
@@ -216,7 +217,7 @@ def diagnose(
     declared: Mapping[str, Any],
     *,
     seed: int = PUBLISHED,
-    golden: int = 1,
+    golden: int = NEWEST,
     alike: Sequence[str] | None = None,
     deep: bool = False,
     after_each: Step = lambda: None,

@@ -9,9 +9,9 @@ formed and the stages of the transform; for a velocity the roundings of F carrie
 
 from __future__ import annotations
 
-from leakref.golden.stages import spectra, velocities, waves, windows
+from leakref.golden.stages import spectra, velocities, water, waves, windows
 
 __all__ = ["STAGES"]
 
-STAGES = {**waves.STAGES, **windows.STAGES, **spectra.STAGES, **velocities.STAGES}
+STAGES = {**waves.STAGES, **water.STAGES, **windows.STAGES, **spectra.STAGES, **velocities.STAGES}
 """Stages by name."""

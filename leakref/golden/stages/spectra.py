@@ -6,7 +6,7 @@ come in the order of the bin numbers (i, j), so that no order of columns is part
 
 - `transform`: `surface` (nx, ny, nt), `spacing`, `window`; `real` and `imag`, (nx, ny, nt), bins as `fftfreq` has them.
 - `spectrum`: five arrays of waves, `shape`, `spacing`, `window`; the same.
-- `shell`: `shape`, `spacing`, `wavenumber`, `gravity`; `i`, `j`, `intrinsic` (n,), `omega`, `weight` (nt // 2 + 1,).
+- `shell`: `shape`, `spacing`, `wavenumber`, the water; `i`, `j`, `intrinsic` (n,), `omega`, `weight` (nt // 2 + 1,).
 - `magnitude`: waves or a surface and a shell; `F` (n, nt // 2 + 1).
 - `characteristic`: a shell and a `velocity` (2,); `G` (n, nt // 2 + 1).
 """
@@ -18,7 +18,6 @@ from typing import Any
 
 import numpy as np
 
-from leakref.dispersion import Water
 from leakref.golden import oracle
 from leakref.golden.stages.stage import (
     Input,
@@ -33,6 +32,8 @@ from leakref.golden.stages.stage import (
     relative,
     rounded,
     turns,
+    water_of,
+    waters,
 )
 from leakref.nsp import WIDTH, characteristic_function
 from leakref.shell import Shell, shell_at
@@ -77,8 +78,8 @@ def _spectrum_conditioning(given: Input, found: Output) -> Output:
 
 
 def shell_of(spectrum: Spectrum, given: Input) -> Shell:
-    """The shell that the input of an entry asks for. The input names `wavenumber` and `gravity`."""
-    return shell_at(spectrum, given["wavenumber"], water=Water(given["gravity"]))
+    """The shell that the input of an entry asks for. The input names `wavenumber`, and the water."""
+    return shell_at(spectrum, given["wavenumber"], water=water_of(given))
 
 
 def in_order(shell: Shell, given: Input) -> Any:
@@ -136,7 +137,7 @@ def oracle_shell(
     """
     bins = sorted(oracle.shell_bins(given["shape"], given["spacing"], wavenumber or given["wavenumber"]))
     found = values(bins) if values is not None else None
-    return oracle.Shell(found, bins, given["shape"], given["spacing"], given["gravity"]), bins
+    return oracle.Shell(found, bins, given["shape"], given["spacing"], **waters(given)), bins
 
 
 def oracle_values(given: Input) -> Callable[[oracle.Bins], Any]:

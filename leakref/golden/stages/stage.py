@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 
 from leakref import leakage
+from leakref.dispersion import Water
 from leakref.grid import Grid
 from leakref.sea import Components
 from leakref.spectrum import Spectrum, fourier
@@ -33,6 +34,7 @@ __all__ = [
     "by_surface",
     "grid_of",
     "in_closed_form",
+    "in_water",
     "largest",
     "listed",
     "plain",
@@ -40,6 +42,8 @@ __all__ = [
     "relative",
     "rounded",
     "turns",
+    "water_of",
+    "waters",
     "waves_of",
 ]
 
@@ -92,9 +96,35 @@ def relative(factor: float, *exact: str) -> Callable[[Input, Output], Output]:
     }
 
 
+def in_water(factor: float) -> Callable[[Input, Output], Output]:
+    """The same with eight roundings more where the water is not deep: of k h, its tanh and 2 k h / sinh(2 k h), of
+    k^2 S / g, and of the products of these.
+    """
+
+    def conditioning(given: Input, found: Output) -> Output:
+        deep = not {"depth", "surface_tension"} & given.keys()
+        return relative(factor if deep else factor + 8)(given, found)
+
+    return conditioning
+
+
 def grid_of(given: Input) -> Grid:
     """The grid of an entry."""
     return Grid(tuple(given["shape"]), tuple(given["spacing"]))
+
+
+def water_of(given: Input) -> Water:
+    """The water of an entry: of its `gravity`, 1 if it names none, and deep, without tension, unless it says so."""
+    return Water(given.get("gravity", 1.0), given.get("depth", np.inf), given.get("surface_tension", 0.0))
+
+
+def waters(given: Input) -> dict[str, Any]:
+    """The same as the oracle takes it: a `depth` of None has no bottom."""
+    return {
+        "gravity": given.get("gravity", 1.0),
+        "depth": given.get("depth"),
+        "surface_tension": given.get("surface_tension", 0),
+    }
 
 
 def waves_of(given: Input) -> Components:

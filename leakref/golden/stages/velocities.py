@@ -8,7 +8,7 @@ uses for whole seas.
 - `score`: waves or a surface, a shell and `velocities` (m, 2); `N` (m,).
 - `derivatives`: likewise with one `velocity`; `N`, `gradient` (2,), `hessian` (2, 2).
 - `nsp`, `ls`: waves or a surface and `wavenumbers` (n,); `velocities` (n, 2) and notes.
-- `extract`: a surface, `spacing`, `wavenumbers`, `gravity`, `window`, `method`; the same.
+- `extract`: a surface, `spacing`, `wavenumbers`, the water, `window`, `method`; the same.
 - `statistics`: `velocities` (R, n, 2); `bias`, `random`, `standard_error`, `count` (n,), `mean` (n, 2).
 """
 
@@ -37,6 +37,7 @@ from leakref.golden.stages.stage import (
     largest,
     relative,
     turns,
+    water_of,
 )
 from leakref.nsp import WIDTH, normalized_scalar_product, score_derivatives
 from leakref.shell import Extraction, Shell, shell_at
@@ -166,7 +167,7 @@ def velocity_conditioning(spectrum: Spectrum, found: Extraction, rounding: float
 
 def _velocities(spectrum: Callable[[Input], Spectrum], method: str) -> Callable[[Input], Output]:
     def run(given: Input) -> Output:
-        found = analyse(spectrum(given), given["wavenumbers"], gravity=given["gravity"], method=method)
+        found = analyse(spectrum(given), given["wavenumbers"], water=water_of(given), method=method)
         return _record(found)
 
     return run
@@ -192,9 +193,9 @@ def _velocities_by_oracle(given: Input, first: Output, method: str = "nsp") -> O
 
 def _velocities_conditioning(given: Input, method: str) -> Output:
     """Of the velocities that the chain finds on the surface, by `velocity_conditioning`."""
-    spectrum = by_surface(given)
-    found = analyse(spectrum, given["wavenumbers"], gravity=given["gravity"], method=method, search=False)
-    return {"velocities": velocity_conditioning(spectrum, found, turns(given), Water(given["gravity"]))}
+    spectrum, water = by_surface(given), water_of(given)
+    found = analyse(spectrum, given["wavenumbers"], water=water, method=method, search=False)
+    return {"velocities": velocity_conditioning(spectrum, found, turns(given), water)}
 
 
 def _extract(given: Input) -> Output:
@@ -203,7 +204,7 @@ def _extract(given: Input) -> Output:
             given["surface"],
             tuple(given["spacing"]),
             given["wavenumbers"],
-            gravity=given["gravity"],
+            water=water_of(given),
             window=given["window"],
             method=given["method"],
         )

@@ -5,16 +5,17 @@ The stages, with the labels they are held to: `scaled-grid` (sec:parameters), `b
 `jonswap` (eq:JONSWAP), `spreading` (eq:angularspread), `phases` (decision D11), `components` (eq:amplitudes) and
 `surface`.
 
-What goes in and what comes out, scaled units unless a gravity is given:
+What goes in and what comes out, scaled units unless a gravity is given; wherever a gravity may stand there may be a
+`depth` and a `surface_tension` as well, and without them the water is deep and has none:
 
 - `scaled-grid`: `length`, `duration`; `shape` (3,), `spacing` (3,), `bin_widths` (3,), `wavenumbers` (n,).
 - `bins`: `shape`, `spacing`; `kx` (nx,), `ky` (ny,), `omega` (nt // 2 + 1,), `nyquist` (3,), `resolution` (2,).
-- `dispersion`: `wavenumber` (n,), `gravity`; `frequency`, `phase_velocity`, `group_velocity`, (n,) each.
+- `dispersion`: `wavenumber` (n,), the water; `frequency`, `phase_velocity`, `group_velocity`, (n,) each.
 - `resolutions`: those, dk and domega; `from_frequency`, `from_wavenumber`, (n,) each.
-- `doppler`: `wavenumber` (n,) and a `current` (velocity, shear, layers); `velocity` (n, 2).
+- `doppler`: `wavenumber` (n,), a `current` (velocity, shear, layers) and a depth; `velocity` (n, 2).
 - `scales`: `peak_wavenumber`, `gravity`; a wavenumber, a frequency, a length, a time and a velocity.
 - `jonswap`, `spreading`: `frequency` or `direction` (n,) and parameters; `density` (n,).
-- `phases`: `realization`, `i`, `j` (n,); `phase` (n,). `components`: a sea; five arrays (n,).
+- `phases`: `realization`, `i`, `j` (n,); `phase` (n,). `components`: a sea and its water; five arrays (n,).
 - `surface`: five arrays of waves and the axes `x`, `y`, `t`; `eta` (nx, ny, nt).
 """
 
@@ -27,10 +28,23 @@ import numpy as np
 from leakref._base import FloatArray
 from leakref.cases import SHELLS
 from leakref.chain import shell_wavenumbers
-from leakref.currents import Current, ExponentialCurrent, LinearCurrent, ProfileCurrent, UniformCurrent
+from leakref.currents import Current, ExponentialCurrent, LinearCurrent, ProfileCurrent, UniformCurrent, shift_in
 from leakref.dispersion import DEEP, Scales, Water, velocity_resolutions
 from leakref.golden import oracle
-from leakref.golden.stages.stage import WAVE, Input, Output, Stage, grid_of, largest, listed, relative, waves_of
+from leakref.golden.stages.stage import (
+    WAVE,
+    Input,
+    Output,
+    Stage,
+    grid_of,
+    in_water,
+    largest,
+    listed,
+    relative,
+    water_of,
+    waters,
+    waves_of,
+)
 from leakref.grid import Grid
 from leakref.sea import SeaState, directional_spreading, jonswap, uniform_phases
 from leakref.synthesis import synthesize
@@ -93,7 +107,7 @@ def _bins_of_by_oracle(given: Input, _: Output) -> Output:
 
 
 def _dispersion(given: Input) -> Output:
-    k, water = given["wavenumber"], Water(given["gravity"])
+    k, water = given["wavenumber"], water_of(given)
     return {
         "frequency": water.frequency(k),
         "phase_velocity": water.phase_velocity(k),
@@ -103,29 +117,27 @@ def _dispersion(given: Input) -> Output:
 
 def _dispersion_by_oracle(given: Input, _: Output) -> Output:
     """The group velocity as the derivative of omega0, and not by a formula of its own."""
-    g = given["gravity"]
-    omega = [oracle.dispersion(k, g) for k in given["wavenumber"]]
+    water = waters(given)
+    omega = [oracle.dispersion(k, **water) for k in given["wavenumber"]]
     return {
         "frequency": omega,
         "phase_velocity": [w / k for w, k in zip(omega, given["wavenumber"], strict=True)],
-        "group_velocity": [
-            oracle.mp.diff(lambda k: oracle.dispersion(k, g), oracle.mpf(k)) for k in given["wavenumber"]
-        ],
+        "group_velocity": [oracle.group_velocity(k, *water.values()) for k in given["wavenumber"]],
     }
 
 
 def _resolutions(given: Input) -> Output:
     frequency, wavenumber = velocity_resolutions(
-        given["wavenumber"], given["wavenumber_resolution"], given["frequency_resolution"], Water(given["gravity"])
+        given["wavenumber"], given["wavenumber_resolution"], given["frequency_resolution"], water_of(given)
     )
     return {"from_frequency": frequency, "from_wavenumber": wavenumber}
 
 
 def _resolutions_by_oracle(given: Input, _: Output) -> Output:
-    """eq:dcdwk: domega / k, and half the phase velocity times dk / k."""
-    g, dk, dw = (oracle.mpf(given[name]) for name in ("gravity", "wavenumber_resolution", "frequency_resolution"))
+    """eq:dcdwk: domega / k, and the group velocity, a derivative, times dk / k."""
+    dk, dw = (oracle.mpf(given[name]) for name in ("wavenumber_resolution", "frequency_resolution"))
     k = [oracle.mpf(v) for v in given["wavenumber"]]
-    group = [oracle.dispersion(v, g) / v / 2 for v in k]
+    group = [oracle.group_velocity(v, *waters(given).values()) for v in k]
     from_wavenumber = [c * dk / v for c, v in zip(group, k, strict=True)]
     return {"from_frequency": [dw / v for v in k], "from_wavenumber": from_wavenumber}
 
@@ -146,8 +158,9 @@ class _Sum:
 
     parts: tuple[Current, ...]
 
-    def doppler_shift_velocity(self, wavenumber: FloatArray) -> FloatArray:
-        return sum((c.doppler_shift_velocity(wavenumber) for c in self.parts), np.zeros((np.size(wavenumber), 2)))
+    def doppler_shift_velocity(self, wavenumber: FloatArray, water: Water = DEEP) -> FloatArray:
+        each = (shift_in("golden", c, wavenumber, water) for c in self.parts)
+        return sum(each, np.zeros((np.size(wavenumber), 2)))
 
 
 def _closed_current(given: Input) -> Current:
@@ -158,12 +171,13 @@ def _closed_current(given: Input) -> Current:
 
 
 def _shifts(current: Current, given: Input) -> Output:
-    """eq:SJ at the wavenumbers of the entry, (n, 2)."""
-    return {"velocity": current.doppler_shift_velocity(np.array(given["wavenumber"]))}
+    """eq:SJ at the wavenumbers of the entry, (n, 2), or what it becomes above a bottom."""
+    return {"velocity": shift_in("golden", current, np.array(given["wavenumber"]), water_of(given))}
 
 
 def _doppler_by_oracle(given: Input, _: Output) -> Output:
-    return {"velocity": [oracle.doppler(given["current"], k) for k in given["wavenumber"]]}
+    depth = given.get("depth")
+    return {"velocity": [oracle.doppler(given["current"], k, depth) for k in given["wavenumber"]]}
 
 
 def _scales(given: Input) -> Output:
@@ -180,10 +194,14 @@ def _scales_by_oracle(given: Input, _: Output) -> Output:
 def _jonswap_conditioning(given: Input, found: Output) -> Output:
     """Roundings in the exponents count as often as the exponents are large; the value itself is the scale."""
     w, s = np.asarray(given["frequency"]), np.asarray(found["density"])
+    return {"density": (s * (8 + 5 * w**-4.0 + _bell(w, given["peakedness"]))).tolist()}
+
+
+def _bell(w: FloatArray, peakedness: float) -> FloatArray:
+    """Roundings in the exponent of the peak's enhancement, for one of `w`."""
     sigma = np.where(w <= 1, 0.07, 0.09)
     r = np.exp(-(((w - 1) / sigma) ** 2) / 2)
-    bell = np.log(given["peakedness"]) * r * (2 + ((w - 1) / sigma) ** 2 + np.abs((w - 1) / sigma**2))
-    return {"density": (s * (8 + 5 * w**-4.0 + bell)).tolist()}
+    return np.log(peakedness) * r * (2 + ((w - 1) / sigma) ** 2 + np.abs((w - 1) / sigma**2))
 
 
 def _spreading_conditioning(given: Input, found: Output) -> Output:
@@ -201,9 +219,9 @@ def _phases_by_oracle(given: Input, _: Output) -> Output:
 
 def _sea(given: Input) -> Output:
     """The five arrays of the waves, turned about a centre if the entry says so."""
-    state = SeaState(
-        given["direction"], given["spread"], given["peakedness"], given["length"], _closed_current(given["current"])
-    )
+    current = _closed_current(given["current"])
+    direction, spread, peakedness, length = (given[n] for n in ("direction", "spread", "peakedness", "length"))
+    state = SeaState(direction, spread, peakedness, length, current, water_of(given))
     waves = state.components(given["realization"])
     if given.get("rotation"):
         waves = waves.rotated(given["rotation"], given["centre"])
@@ -211,23 +229,30 @@ def _sea(given: Input) -> Output:
 
 
 def _sea_by_oracle(given: Input, _: Output) -> Output:
-    found = oracle.components(given, lambda k: oracle.doppler(given["current"], k))
+    found = oracle.components(given, lambda k: oracle.doppler(given["current"], k, given.get("depth")))
     return dict(zip(WAVE, found, strict=True))
 
 
 def _sea_conditioning(given: Input, found: Output) -> Output:
     """Wavenumbers are products of whole numbers with dk; amplitudes round with the exponents of eq:JONSWAP and the
     cosine of the spreading; phases are exact unless the sea is turned about a centre.
+
+    Where the water is not deep S is taken at w = omega0(k) / omega0(k0), which has three roundings in each of the two:
+    half of its exponents, 5 / 4 w^-4 and the bell's, times six is the second line of the amplitude.
     """
     k = np.hypot(found["kx"], found["ky"])
+    water = water_of(given)
     a, turning = np.asarray(found["amplitude"]), given.get("rotation", 0) != 0
     centre = np.hypot(*given.get("centre", (0, 0)))
     amplitude = a * (12 + 2.5 / k**2) + a.max() * 720 * np.pi / given["spread"]
-    slow = _closed_current(given["current"]).doppler_shift_velocity(k)
+    if water != DEEP:
+        w = water.frequency(k) / water.frequency(1.0)
+        amplitude += a * 3 * (5 * w**-4.0 + _bell(w, given["peakedness"]))
+    slow = shift_in("golden", _closed_current(given["current"]), k, water)
     return {
         "kx": (9 if turning else 3) * k.max(),
         "ky": (9 if turning else 3) * k.max(),
-        "omega": float((4 * DEEP.frequency(k) + 6 * k * np.hypot(*slow.T)).max()),
+        "omega": float(((4 if water == DEEP else 8) * water.frequency(k) + 6 * k * np.hypot(*slow.T)).max()),
         "amplitude": amplitude.tolist(),
         "phase": float(9 * k.max() * centre + 7) if turning else 0.0,
     }
@@ -244,8 +269,8 @@ def _surface_conditioning(given: Input, _: Output) -> Output:
 STAGES = {
     "scaled-grid": Stage("sec:parameters", {"chain": _scaled_grid}, _scaled_grid_by_oracle, relative(6, "shape")),
     "bins": Stage("app:numdetails", {"chain": _bins_of}, _bins_of_by_oracle, relative(6)),
-    "dispersion": Stage("sec:theory", {"chain": _dispersion}, _dispersion_by_oracle, relative(4)),
-    "resolutions": Stage("eq:dcdwk", {"chain": _resolutions}, _resolutions_by_oracle, relative(6)),
+    "dispersion": Stage("sec:theory", {"chain": _dispersion}, _dispersion_by_oracle, in_water(4)),
+    "resolutions": Stage("eq:dcdwk", {"chain": _resolutions}, _resolutions_by_oracle, in_water(6)),
     "doppler": Stage(
         "eq:SJ",
         {
