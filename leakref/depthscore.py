@@ -29,6 +29,7 @@ _CUT = 4.25  # widths, where the Gaussian ends: 1e-15 of it is left
 _COARSE = 0.25  # step of a scan in ln h where waves hardly feel the bottom
 _STRONGEST = 400  # columns that choose where to start
 _STEPS = 80
+_AWAY = 3.0  # in ln h from where it began: a climb that goes as far has left for where no bottom is felt
 _compiled: Any = njit(nogil=True, error_model="numpy")
 
 
@@ -153,6 +154,7 @@ class Score:
         the surface by less than `close` widths.
         """
         x, waters, n = x.copy(), None if free.stop == 3 else self.waters(x[2]), 0.0
+        begun = x[2]
         for count in range(_STEPS):
             now = waters or self.waters(x[2])
             n, gradient, hessian = self.at(x, now)
@@ -165,7 +167,7 @@ class Score:
                 break
             moved = float(np.abs(self.kx * step[0] + self.ky * step[1] + now[1] * step[2]).max())
             x += step * min(1.0, self.width / (4 * max(moved, 1e-300)), 1 / (3 * max(abs(step[2]), 1e-300)))
-            if moved < close * self.width:
+            if moved < close * self.width or abs(x[2] - begun) > _AWAY:
                 break
             if size < 1e-13 or (count > 20 and size < 1e-11):
                 return x, n, bool(curvature.max() <= 1e-9 * np.abs(curvature).max() and curvature.min() < 0)

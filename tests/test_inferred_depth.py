@@ -14,7 +14,7 @@ from leakref.cases import Configuration
 from leakref.chain import transform
 from leakref.depthscore import depth_resolutions, derivatives
 from leakref.dispersion import Water
-from leakref.paper import depths
+from leakref.paper import inferred as depths
 from leakref.shell import Note, shell_at
 
 GRID = Grid((40, 56, 256), (0.8, 0.62, 0.45))  # oblong; omega >= 2 a from 0.44 up

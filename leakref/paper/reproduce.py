@@ -20,6 +20,7 @@ from leakref._output import console, dump, envelope, folder, progress_bar, write
 from leakref._tables import Table
 from leakref.cases import Configuration, configurations
 from leakref.ensemble import Ensemble
+from leakref.paper import inferredtables
 from leakref.paper.shear import DIRECTIONS, Inferred, Sheared, answer, inferred, sheared
 from leakref.shell import Note
 
@@ -53,6 +54,8 @@ def run(
     raised for an unknown id and for what `runs` refuses. For case shear there is also a table of inferred shears, and
     the answer in words.
     """
+    if inferredtables.NAME in ids:
+        return inferredtables.run(ids, realizations=realizations, figures=figures, out=out, json=json, workers=workers)
     chosen = _named(ids)
     folder(out)
     done: list[Ensemble] = []
@@ -63,12 +66,14 @@ def run(
         ):
             done += found
             _write(out, found[0].configuration.id, found)
+        depths = inferredtables.inferred(chosen, realizations, folder=out / "parts", executor=executor)
     shears = [row for e in done if isinstance(e.configuration, Sheared) for row in inferred(e)]
     result = envelope("reproduce", True, cases=[_record(e) for e in done], route=route)
     if shears:
         result |= {"shear": [row.record() for row in shears], "answer": answer(shears)}
+    result |= inferredtables.shown(depths, printed=not json)
     write_whole(out / "reproduce.json", lambda path: path.write_text(dump(result) + "\n", encoding="utf-8"))
-    drawn = _draw(out, done, realizations, everything) if figures else []
+    drawn = _draw(out, done, realizations, everything) + inferredtables.drawn(out, depths) if figures else []
     if json:
         print(dump(result))
     else:
