@@ -3,6 +3,9 @@ ensembles that are the same bits everywhere, the claim."""
 
 from __future__ import annotations
 
+import json
+import re
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -10,11 +13,13 @@ import pytest
 from scipy.optimize import root
 
 from leakref import Components, Grid, LeakrefError, depth, leakage, nsp, runs
-from leakref.cases import Configuration
+from leakref._output import dump
+from leakref.cases import Configuration, configurations
 from leakref.chain import transform
 from leakref.depthscore import depth_resolutions, derivatives
 from leakref.dispersion import Water
 from leakref.paper import inferred as depths
+from leakref.paper import inferredfigure, inferredtables, reproduce
 from leakref.shell import Note, shell_at
 
 GRID = Grid((40, 56, 256), (0.8, 0.62, 0.45))  # oblong; omega >= 2 a from 0.44 up
@@ -206,9 +211,10 @@ def test_ensembles_are_what_the_plain_chain_gives():
         assert e.notes[0].tolist() == [note.value for note in both.notes]
 
 
-def test_neither_workers_nor_what_is_kept_matter(tmp_path, monkeypatch):
+@pytest.mark.parametrize("workers", [ThreadPoolExecutor, pytest.param(runs.pool, marks=pytest.mark.slow)])
+def test_neither_workers_nor_what_is_kept_matter(workers, tmp_path, monkeypatch):
     serial = bits(depths.ensembles(SMALL, 3))
-    with runs.pool(2) as executor:
+    with workers(2) as executor:
         assert bits(depths.ensembles(SMALL, 3, folder=tmp_path, executor=executor)) == serial
     kept = sorted(tmp_path.rglob("*.npz"))
     assert len(kept) == 3
@@ -223,3 +229,106 @@ def test_neither_workers_nor_what_is_kept_matter(tmp_path, monkeypatch):
         depths.ensembles(Configuration("deep"), 1)
     with pytest.raises(LeakrefError, match="at least one"):
         depths.ensembles(SMALL, 0)
+
+
+# ---- what is said of them
+
+
+def made_up(window="hann", current="along", kh=1.0, off=0.0, missing=0, **size):
+    """Depths that are off by a known part, six of them, of which some are missing."""
+    spread = 0.02 * np.array([-1.0, 1.0, -0.5, 0.5, 2.0, -2.0])
+    found = kh * (1 + off + np.repeat(spread[:, None], depths.WAVENUMBERS.size + 2, axis=1))
+    found[:missing] = np.nan
+    notes = np.where(np.isnan(found), Note.FLAT.value, 0)
+    rest = np.zeros((*found.shape, 2)), np.ones(found.shape), notes
+    return depths.Depths(depths.domain(kh, **size), window, current, found, *rest)
+
+
+def test_statistics_are_parts_of_the_true_depth():
+    e = made_up(off=0.1, kh=1.5)
+    spread = 0.02 * np.array([-1.0, 1.0, -0.5, 0.5, 2.0, -2.0])
+    np.testing.assert_allclose(e.bias, 0.1, rtol=1e-12)
+    np.testing.assert_allclose(e.random, spread.std(ddof=1), rtol=1e-12)
+    few = made_up(off=0.1, missing=5)
+    assert few.count.tolist() == [1] * 11
+    np.testing.assert_allclose(few.bias, 0.1 - 0.04, rtol=1e-12)
+    assert np.isnan(few.random).all()
+    none = made_up(missing=6)
+    assert np.isnan(none.bias).all()
+    assert none.noted(Note.FLAT).tolist() == [6] * 11
+    assert made_up().resolution[2:6] == pytest.approx(
+        np.minimum(*depth_resolutions(depths.WAVENUMBERS[2:6], 0.1, 0.05, Water(depth=1.0)))
+    )
+
+
+def test_the_rows_and_the_answer_are_of_the_band_with_the_current_inferred():
+    found = [made_up(w, c, off=0.1 if w == "box" else 0.01) for w in ("box", "hann") for c in depths.CURRENTS]
+    found += [made_up("box", "along", 2.0, missing=5), made_up("hann", "along", 2.0, missing=1)]
+    rows = json.loads(dump(inferredtables.rows(found)))
+    assert [(row["kh"], row["window"]) for row in rows] == [(1, "box"), (1, "hann"), (2, "box"), (2, "hann")]
+    assert rows[0]["bias"] == pytest.approx(0.1)
+    assert rows[2] == {
+        "kh": 2.0, "window": "box", "bias": rows[2]["bias"], "random": None, "count": 1, "realizations": 6
+    }  # fmt: skip
+    assert inferredtables.answer(inferredtables.rows(found)) == (
+        "The depth inferred along with the current, untapered: k0 h = 1: +10.0 ± 2.9 %; k0 h = 2: none in 5 of 6, "
+        "where it cannot be told apart. The depth inferred along with the current, tapered: k0 h = 1: +1.0 ± 2.9 %; "
+        "k0 h = 2: +0.4 ± 3.0 % (none in 1)."
+    )
+    record = json.loads(dump(inferredtables.record(found[-1])))
+    assert (record["case"], record["band"]["count"], record["flagged"]["flat"][0]) == ("depth/kh=2", 5, 1)
+    assert len(record["shells"]["bias"]) == len(record["shells"]["resolution"]) == 9
+
+
+@pytest.fixture
+def small_case(monkeypatch):
+    """Case depth on a domain that takes no time."""
+    seas = [replace(SMALL, depth=kh, windows=("box", "hann"), varied=("depth",)) for kh in (0.7, 1.0)]
+    monkeypatch.setattr(reproduce, "_named", lambda ids: seas if ids == ["depth"] else configurations(ids))
+    monkeypatch.setattr(inferredtables, "DEPTHS", (0.7, 1.0))
+    monkeypatch.setattr(inferredtables, "DOMAINS", ((3.0, 6.0), (4.0, 6.0)))
+
+
+def test_the_case_is_reproduced_with_the_depths_inferred(tmp_path, capsys, small_case, monkeypatch):
+    how = {"realizations": 2, "route": "B", "out": tmp_path}
+    monkeypatch.setattr(reproduce, "_draw", lambda *_: [])
+    assert reproduce.run(["depth"], figures=True, json=True, **how)
+    found = json.loads(capsys.readouterr().out)
+    assert [(row["kh"], row["window"]) for row in found["inferred_depth"]] == [
+        (0.7, "box"), (0.7, "hann"), (1.0, "box"), (1.0, "hann")
+    ]  # fmt: skip
+    assert set(found["inferred_depth"][0]) == {"kh", "window", "bias", "random", "count", "realizations"}
+    assert found["inferred_depth_answer"].startswith("The depth inferred along with the current, untapered: k0 h = 0.7")
+    assert json.loads((tmp_path / "reproduce.json").read_text(encoding="utf-8")) == found
+    assert (tmp_path / "figure_inferred_depth.png").stat().st_size > 10_000
+    assert reproduce.run(["depth"], figures=False, json=False, **how)  # from what is kept
+    printed = re.sub(r"\s+", " ", capsys.readouterr().out)
+    assert found["inferred_depth_answer"] in printed
+    assert "depth: the depth inferred" in printed or "depth/kh=1: the depth inferred" in printed
+
+
+def test_all_domains_are_a_run_of_their_own(tmp_path, capsys, small_case):
+    how = {"realizations": 2, "route": "B", "out": tmp_path, "figures": True}
+    assert reproduce.run(["inferred-depth"], json=True, **how)
+    found = json.loads(capsys.readouterr().out)
+    assert len(found["depths"]) == 2 * 2 * 4  # depths, domains, windows and currents
+    assert {(r["length"], r["duration"]) for r in found["depths"]} == {(3, 6), (4, 6)}
+    assert {path.name for path in tmp_path.glob("*.png")} == {
+        "figure_inferred_depth_L3_T6.png", "figure_inferred_depth_L4_T6.png", "figure_inferred_depth_domains.png"
+    }  # fmt: skip
+    with pytest.raises(LeakrefError, match="by itself"):
+        reproduce.run(["inferred-depth", "gamma"], json=True, **how)
+    assert inferredtables.fewer(20, 20.0, 80.0) == 4
+    assert inferredtables.fewer(20, 20.0, 20.0) == 20
+
+
+def test_the_figures_can_be_drawn_of_what_is_stored():
+    records = [
+        json.loads(dump(inferredtables.record(made_up(w, c, kh, off=0.05, missing=m, length=size))))
+        for w in ("box", "hann")
+        for c in depths.CURRENTS
+        for kh, m in ((0.7, 0), (2.0, 6))
+        for size in (5.0, 10.0)
+    ]
+    assert len(inferredfigure.shells_figure(records[::2]).axes) == 4
+    assert len(inferredfigure.domains_figure(records).axes) == 2

@@ -58,11 +58,11 @@ def _points(ax: Any, x: FloatArray, part: Record, realizations: int, window: str
         ax.plot(x[chosen], ratio[chosen], marker, ms=4.5, mfc=fill, mec=colour, ls="", zorder=3, **look)
 
 
-def _depth_axis(ax: Any, low: float, high: float) -> None:
+def _depth_axis(ax: Any, low: float, high: float, ticks: Sequence[float]) -> None:
     ax.axhline(1, color="black", lw=0.9, zorder=0)
     ax.set_yscale("log")
     ax.set_ylim(low, high)
-    ax.yaxis.set_major_locator(FixedLocator([0.3, 0.5, 0.7, 0.8, 0.9, 1, 1.1, 1.2, 1.5, 2, 3]))
+    ax.yaxis.set_major_locator(FixedLocator(list(ticks)))
     ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     ax.yaxis.set_minor_locator(NullLocator())
 
@@ -81,7 +81,7 @@ def _legend(drawing: Figure, ax: Any, windows: Sequence[str], realizations: str)
 def shells_figure(records: Sequence[Record]) -> Figure:
     """A column for each depth, a row for what is known of the current: h over the true depth against wavenumber.
 
-    To the right of the line the depth of the whole band. Grey: wavenumbers whose waves are those of deep water,
+    To the right of the line the depth of the whole band, "all". Grey: wavenumbers whose waves are those of deep water,
     k h > pi. `records` are of one domain.
     """
     depths = sorted({r["kh"] for r in records})
@@ -96,12 +96,12 @@ def shells_figure(records: Sequence[Record]) -> Figure:
         _points(ax, np.array([k[-1] + 0.3 + 2 * aside]), band, r["realizations"], r["window"])
     for (row, column), ax in np.ndenumerate(axes):
         kh, last = depths[column], float(k[-1])
-        _depth_axis(ax, 0.28, 3.5)
+        _depth_axis(ax, 0.28, 3.5, (0.3, 0.5, 0.7, 1, 1.5, 2, 3))
         ax.axvline(last + 0.13, color="0.6", lw=0.8)
         if np.pi / kh < last + 0.13:
             ax.axvspan(max(np.pi / kh, 0.3), last + 0.13, color="0.9", zorder=-1)
         ax.set_xlim(0.3, last + 0.45)
-        ax.set_xticks([0.5, 1, 1.5, 2, last + 0.3], ["0.5", "1", "1.5", "2", "band"])
+        ax.set_xticks([0.5, 1, 1.5, 2, last + 0.3], ["0.5", "1", "1.5", "2", "all"])
         ax.set_title(f"$k_0 h$ = {kh:g}: {list(_CURRENT_WORDS.values())[row]}", fontsize=9)
         if row:
             ax.set_xlabel("$k$ / $k_0$")
@@ -111,7 +111,8 @@ def shells_figure(records: Sequence[Record]) -> Figure:
     _legend(drawing, axes[0, 0], windows, number)
     drawing.suptitle(
         f"What leakage does to an inferred depth, $L$ = {records[0]['length']:g}, $T$ = {records[0]['duration']:g} "
-        "(grey: too short to feel the bottom)"
+        "\nby wavenumber, and from all of them together; nothing is drawn where no depth can be told; grey: waves too "
+        "short to feel the bottom"
     )
     return drawing
 
@@ -128,13 +129,13 @@ def domains_figure(records: Sequence[Record]) -> Figure:
     windows = [w for w in _LOOKS if any(r["window"] == w for r in chosen)]
     columns = min(2, len(depths))
     panels = -(-len(depths) // columns)
-    drawing, axes = figure(panels, columns, width=9.0, height=2.6, sharex=True, sharey=True, squeeze=False)
+    drawing, axes = figure(panels, columns, width=9.0, height=2.6, sharex=True, sharey=True)
     for r in chosen:
         ax = axes.flat[depths.index(r["kh"])]
         x = np.array([sizes.index((r["length"], r["duration"])) + 0.13 * _LOOKS[r["window"]][2]])
         _points(ax, x, {name: [value] for name, value in r["band"].items()}, r["realizations"], r["window"])
     for kh, ax in zip(depths, axes.flat, strict=False):
-        _depth_axis(ax, 0.68, 1.75)
+        _depth_axis(ax, 0.77, 1.4, (0.8, 0.9, 1, 1.1, 1.2, 1.3, 1.4))
         ax.set_title(f"$k_0 h$ = {kh:g}")
         ax.set_xticks(range(len(sizes)), [f"{length:g}, {duration:g}" for length, duration in sizes])
         ax.set_xlim(-0.5, len(sizes) - 0.5)
@@ -148,5 +149,8 @@ def domains_figure(records: Sequence[Record]) -> Figure:
     numbers = sorted({r["realizations"] for r in chosen})
     counted = f"{numbers[0]} to {numbers[-1]} realisations" if len(numbers) > 1 else f"{numbers[0]} realisations"
     _legend(drawing, axes[0, 0], windows, counted)
-    drawing.suptitle("The depth inferred with the current from all wavenumbers, by size of the domain")
+    drawing.suptitle(
+        "The depth inferred with the current from all wavenumbers, by size of the domain\n"
+        "nothing is drawn where no depth can be told"
+    )
     return drawing

@@ -1,7 +1,8 @@
 """What leakage does to an inferred depth, as JSON, as a table and in words; and the run over all domains of case-L-T.
 
-`leakref reproduce depth` adds what is here to its cases (`inferred`, `shown`); `leakref reproduce inferred-depth` goes
-through all depths and domains and writes `inferred_depth.json`. All numbers are parts of the true depth.
+`leakref reproduce depth` adds what is here to its cases: `inferred`, then `fields`, `shown` and `drawn`. `leakref
+reproduce inferred-depth` goes through all depths and domains and writes `inferred_depth.json`. All numbers are parts of
+the true depth.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from leakref.cases import Configuration
 from leakref.paper.inferred import ALIKE, BAND, DEPTHS, DOMAINS, WAVENUMBERS, Depths, domain, ensembles
 from leakref.shell import Note
 
-__all__ = ["NAME", "answer", "drawn", "fewer", "inferred", "record", "rows", "run", "shown", "table"]
+__all__ = ["NAME", "answer", "drawn", "fewer", "fields", "inferred", "record", "rows", "run", "shown", "table"]
 
 NAME = "inferred-depth"
 """Of the run over all depths and domains, as `leakref reproduce` takes it."""
@@ -98,29 +99,33 @@ def _part(row: dict[str, Any]) -> str:
 
 
 def table(found: Sequence[Depths], title: str) -> Table:
-    """Mean and standard deviation of h / h_true - 1 in percent: a row a window and current, a column a wavenumber.
+    """Mean and standard deviation of h / h_true - 1 in percent: a row a wavenumber, a column a window and current.
 
-    Then the band, each bin by its magnitude and each wavenumber alike. In brackets how many have a number, if not all.
+    Then the band, each bin by its magnitude and each wavenumber alike. In brackets how many have a depth, if not all.
     """
-    result = Table(title=title, title_justify="left", box=SIMPLE_HEAD, caption_justify="left",
-                   caption="error of the depth in percent, mean ± standard deviation; in brackets how many of "
-                   f"{len(found[0].depths)} realisations have a number, if not all; alike: every wavenumber has one "
-                   "say")  # fmt: skip
-    result.add_column("window")
-    result.add_column("current")
-    for heading in (*(f"k {k:.1f}" for k in WAVENUMBERS), "band", "alike"):
-        result.add_column(heading, justify="right")
+    result = Table(
+        title=title,
+        title_justify="left",
+        box=SIMPLE_HEAD,
+        caption=f"error of the depth in %, mean ± standard deviation of {len(found[0].depths)} realisations; in "
+        "brackets how many have a depth, if not all; alike: every wavenumber has one say",
+        caption_justify="left",
+    )
+    result.add_column("k / k0")
     for e in found:
-        result.add_row(e.window, "inferred" if e.current == "along" else "known", *_cells(e))
+        current = "current inferred" if e.current == "along" else "current known"
+        result.add_column(f"{_WORDS.get(e.window, e.window)}, {current}", justify="right")
+    for n, place in enumerate((*(f"{k:.1f}" for k in WAVENUMBERS), "band", "band, alike")):
+        result.add_row(place, *(_cell(e, n) for e in found))
     return result
 
 
-def _cells(e: Depths) -> list[str]:
-    cells = []
-    for bias, random, count in zip(e.bias, e.random, e.count, strict=True):
-        some = "" if count == len(e.depths) else f" ({count})"
-        cells.append(f"{100 * bias:+.0f} ± {100 * random:.0f}{some}" if count > 1 else f"none{some}")
-    return cells
+def _cell(e: Depths, place: int) -> str:
+    count, every = int(e.count[place]), len(e.depths)
+    if not count:
+        return "none"
+    random = f" ± {100 * e.random[place]:.1f}" if count > 1 else ""
+    return f"{100 * e.bias[place]:+.1f}{random}" + (f" ({count})" if count < every else "")
 
 
 # ---- beside the cases of `leakref reproduce depth`
@@ -140,16 +145,17 @@ def inferred(
     return found
 
 
-def shown(found: Sequence[Depths], *, printed: bool) -> dict[str, Any]:
-    """What the JSON of `leakref reproduce` gains by them, nothing if there are none; `printed`, the tables as well."""
-    if not found:
-        return {}
-    said = {"inferred_depth": rows(found), "inferred_depth_answer": answer(rows(found))}
-    if printed:
-        for id in dict.fromkeys(e.configuration.id for e in found):
-            Console().print(table([e for e in found if e.configuration.id == id], f"{id}: the depth inferred"))
-        Console().print(said["inferred_depth_answer"], soft_wrap=True, highlight=False)
-    return said
+def fields(found: Sequence[Depths]) -> dict[str, Any]:
+    """What the JSON of `leakref reproduce` gains by them; nothing if there are none."""
+    return {"inferred_depth": rows(found), "inferred_depth_answer": answer(rows(found))} if found else {}
+
+
+def shown(found: Sequence[Depths]) -> None:
+    """Print a table a sea, and the answer; nothing if there are none."""
+    for id in dict.fromkeys(e.configuration.id for e in found):
+        Console().print(table([e for e in found if e.configuration.id == id], f"{id}: the depth inferred"))
+    if found:
+        Console().print(answer(rows(found)), soft_wrap=True, highlight=False)
 
 
 def drawn(out: Path, found: Sequence[Depths]) -> list[Path]:
@@ -188,6 +194,6 @@ def run(ids: Sequence[str], *, realizations: int, figures: bool, out: Path, json
     if json:
         print(dump(result))
     else:
-        shown(found, printed=True)
+        shown(found)
     console().print(f"[dim]inferred_depth.json and {len(paths)} figures in {out}[/dim]")
     return True

@@ -71,7 +71,7 @@ def run(
     result = envelope("reproduce", True, cases=[_record(e) for e in done], route=route)
     if shears:
         result |= {"shear": [row.record() for row in shears], "answer": answer(shears)}
-    result |= inferredtables.shown(depths, printed=not json)
+    result |= inferredtables.fields(depths)
     write_whole(out / "reproduce.json", lambda path: path.write_text(dump(result) + "\n", encoding="utf-8"))
     drawn = _draw(out, done, realizations, everything) + inferredtables.drawn(out, depths) if figures else []
     if json:
@@ -83,6 +83,7 @@ def run(
         if shears:
             Console().print(_shear_table(shears, realizations))
             Console().print(answer(shears), soft_wrap=True, highlight=False)
+        inferredtables.shown(depths)
     console().print(f"[dim]{len(done)} tables (CSV), reproduce.json and {len(drawn)} figures in {out}[/dim]")
     return True
 
