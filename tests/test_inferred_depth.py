@@ -335,3 +335,14 @@ def test_the_figures_can_be_drawn_of_what_is_stored():
     ]
     assert len(inferredfigure.shells_figure(records[::2]).axes) == 4
     assert len(inferredfigure.domains_figure(records).axes) == 2
+
+
+def test_measured_low_shells_are_too_deep_high_ones_too_shallow_and_tapered_less_so():
+    """What leaks from the peak has its frequency: too fast for longer waves, too slow for shorter ones."""
+    sea = depths.domain(0.7, 5.0, 10.0)
+    found = {e.window: e for e in depths.ensembles(sea, 4) if e.current == "known"}
+    for e in found.values():
+        assert e.bias[2] > 2 * e.random[2] / 2 > 0  # k = 0.8, four realisations
+        assert e.bias[6] < -2 * e.random[6] / 2 < 0  # k = 1.6
+    for place in (2, 6, depths.BAND):
+        assert abs(found["hann"].bias[place]) < abs(found["box"].bias[place])
