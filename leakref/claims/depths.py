@@ -49,7 +49,7 @@ def _(see: Evidence) -> Iterator[Reading]:
         each = [_errors(e, source) for e in found]
         disturbed = pooled(*(significant(sample, resolution) for sample, resolution in each))
         for holds, counted in ((most, "most"), (every, "every")):
-            (reading,) = holds({"from": words, "window": window, "holds at": counted}, disturbed=disturbed)
+            (reading,) = holds({"source": words, "window": window, "holds at": counted}, disturbed=disturbed)
             yield Reading(reading.choices, reading.holds, _figure(disturbed, each), reading.tallies)
 
 

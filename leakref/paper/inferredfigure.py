@@ -96,7 +96,7 @@ def shells_figure(records: Sequence[Record]) -> Figure:
         _points(ax, np.array([k[-1] + 0.3 + 2 * aside]), band, r["realizations"], r["window"])
     for (row, column), ax in np.ndenumerate(axes):
         kh, last = depths[column], float(k[-1])
-        _depth_axis(ax, 0.28, 3.5, (0.3, 0.5, 0.7, 1, 1.5, 2, 3))
+        _depth_axis(ax, 0.18, 3.5, (0.2, 0.3, 0.5, 0.7, 1, 1.5, 2, 3))
         ax.axvline(last + 0.13, color="0.6", lw=0.8)
         if np.pi / kh < last + 0.13:
             ax.axvspan(max(np.pi / kh, 0.3), last + 0.13, color="0.9", zorder=-1)
@@ -109,10 +109,11 @@ def shells_figure(records: Sequence[Record]) -> Figure:
             ax.set_ylabel("inferred / true depth")
     number = f"{records[0]['realizations']} realisations"
     _legend(drawing, axes[0, 0], windows, number)
+    size = f"$L$ = {records[0]['length']:g}, $T$ = {records[0]['duration']:g}"
     drawing.suptitle(
-        f"What leakage does to an inferred depth, $L$ = {records[0]['length']:g}, $T$ = {records[0]['duration']:g} "
-        "\nby wavenumber, and from all of them together; nothing is drawn where no depth can be told; grey: waves too "
-        "short to feel the bottom"
+        f"What leakage does to a depth inferred from single wavenumbers and, right, from all of them ({size})\n"
+        "nothing is drawn where no depth can be told; grey: waves too short to feel the bottom",
+        fontsize=10,
     )
     return drawing
 
@@ -151,6 +152,7 @@ def domains_figure(records: Sequence[Record]) -> Figure:
     _legend(drawing, axes[0, 0], windows, counted)
     drawing.suptitle(
         "The depth inferred with the current from all wavenumbers, by size of the domain\n"
-        "nothing is drawn where no depth can be told"
+        "nothing is drawn where no depth can be told",
+        fontsize=10,
     )
     return drawing

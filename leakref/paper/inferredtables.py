@@ -114,18 +114,18 @@ def table(found: Sequence[Depths], title: str) -> Table:
     result.add_column("k / k0")
     for e in found:
         current = "current inferred" if e.current == "along" else "current known"
-        result.add_column(f"{_WORDS.get(e.window, e.window)}, {current}", justify="right")
+        result.add_column(f"{_WORDS.get(e.window, e.window)},\n{current}", justify="right")
     for n, place in enumerate((*(f"{k:.1f}" for k in WAVENUMBERS), "band", "band, alike")):
         result.add_row(place, *(_cell(e, n) for e in found))
     return result
 
 
 def _cell(e: Depths, place: int) -> str:
-    count, every = int(e.count[place]), len(e.depths)
+    count, every, digits = int(e.count[place]), len(e.depths), 0 if abs(e.bias[place]) >= 0.1 else 1
     if not count:
         return "none"
-    random = f" ± {100 * e.random[place]:.1f}" if count > 1 else ""
-    return f"{100 * e.bias[place]:+.1f}{random}" + (f" ({count})" if count < every else "")
+    random = f" ± {100 * e.random[place]:.{digits}f}" if count > 1 else ""
+    return f"{100 * e.bias[place]:+.{digits}f}{random}" + (f" ({count})" if count < every else "")
 
 
 # ---- beside the cases of `leakref reproduce depth`
