@@ -338,7 +338,7 @@ def test_the_figures_can_be_drawn_of_what_is_stored():
 
 
 def test_measured_low_shells_are_too_deep_high_ones_too_shallow_and_tapered_less_so():
-    """What leaks from the peak has its frequency: too fast for longer waves, too slow for shorter ones."""
+    """What leaks from stronger waves has their frequency: too fast for longer waves, too slow for shorter ones."""
     sea = depths.domain(0.7, 5.0, 10.0)
     found = {e.window: e for e in depths.ensembles(sea, 4) if e.current == "known"}
     for e in found.values():
