@@ -17,6 +17,8 @@ from leakref import Components, Grid, LeakrefError, depth, leakage, nsp, runs
 from leakref._output import dump
 from leakref.cases import Configuration, configurations
 from leakref.chain import transform
+from leakref.claims.evidence import Evidence
+from leakref.claims.shifts import Altered, NotCovered
 from leakref.depthscore import depth_resolutions, derivatives
 from leakref.dispersion import Water
 from leakref.paper import inferred as depths
@@ -346,3 +348,13 @@ def test_measured_low_shells_are_too_deep_high_ones_too_shallow_and_tapered_less
         assert e.bias[6] < -2 * e.random[6] / 2 < 0  # k = 1.6
     for place in (2, 6, depths.BAND):
         assert abs(found["hann"].bias[place]) < abs(found["box"].bias[place])
+
+
+def test_the_claim_takes_what_is_kept_and_no_decision_is_judged_by_it(tmp_path):
+    evidence = Evidence(2, tmp_path)
+    found = evidence.depths(SMALL)
+    assert bits(found) == bits(depths.ensembles(SMALL, 2))
+    assert evidence.depths(SMALL) is found
+    assert len(list(tmp_path.rglob("*.npz"))) == 2
+    with pytest.raises(NotCovered):
+        Altered(evidence).depths(SMALL)
