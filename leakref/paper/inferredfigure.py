@@ -136,7 +136,7 @@ def domains_figure(records: Sequence[Record]) -> Figure:
         x = np.array([sizes.index((r["length"], r["duration"])) + 0.13 * _LOOKS[r["window"]][2]])
         _points(ax, x, {name: [value] for name, value in r["band"].items()}, r["realizations"], r["window"])
     for kh, ax in zip(depths, axes.flat, strict=False):
-        _depth_axis(ax, 0.77, 1.4, (0.8, 0.9, 1, 1.1, 1.2, 1.3, 1.4))
+        _depth_axis(ax, 0.77, 1.65, (0.8, 0.9, 1, 1.1, 1.2, 1.3, 1.4, 1.6))
         ax.set_title(f"$k_0 h$ = {kh:g}")
         ax.set_xticks(range(len(sizes)), [f"{length:g}, {duration:g}" for length, duration in sizes])
         ax.set_xlim(-0.5, len(sizes) - 0.5)
