@@ -72,6 +72,24 @@ def test_waves_on_bins_give_their_depth_and_current_exactly(case):
     assert known.curvature[0] >= found.curvature[0]  # a current that follows can only soften it
 
 
+def test_one_wave_tells_its_depth_only_if_the_current_is_known_and_as_well_as_its_slope():
+    k, m = float(np.hypot(*(np.array([3, 1]) * GRID.bin_widths[:2]))), 12
+    omega = m * GRID.frequency_resolution
+    h = float(np.arctanh(omega**2 / k) / k)  # omega0^2 = k tanh(k h)
+    kx, ky = np.array([3, 1]) * GRID.bin_widths[:2]
+    wave = Components(*(np.array([one]) for one in (kx, ky, omega, 1.0, 0.4)))
+    spectrum = leakage.spectrum(wave, GRID, "box")
+    known = depth.infer_shells(spectrum, [k], gravity=1.0, current=(0.0, 0.0))
+    slope = omega * k * h / np.sinh(2 * k * h)
+    assert known.depths[0] == pytest.approx(h, rel=1e-11)
+    assert known.curvature[0] == pytest.approx(4 * (slope / WIDTH) ** 2, rel=1e-9)
+    along = depth.infer_shells(spectrum, [k], gravity=1.0)
+    # N is the same along a ridge of current and depth, to the tails of the mirror image, which favour an end of it
+    assert along.notes[0] & (Note.FLAT | Note.EDGE)
+    assert np.isnan(along.depths[0])
+    assert depth.reasons(along.notes[0])
+
+
 def test_three_waves_may_have_two_depths_and_then_it_is_said():
     """omega0 is no straight line, so that three equations may have two solutions, with one and the same N."""
     waves, current, h = on_bins([(3, 1), (-2, 5), (6, -4)], Water(gravity=1.3, depth=1.0), (0.04, 0.03))
