@@ -15,11 +15,12 @@ from leakref.claims.stored import by_line, stored_claim, stored_claims
 from leakref.claims.words import Sample
 from leakref.ensemble import Ensemble
 from leakref.golden.same import alike
+from leakref.paper.inferred import CURRENTS, WAVENUMBERS, Depths
 from leakref.window import WINDOWS, Window
 
 IDS = [
     f"{group}{n}"
-    for group, count in (("W", 9), ("N", 6), ("A", 14), ("P", 6), ("R", 7), ("U", 11), ("G", 6))
+    for group, count in (("W", 9), ("N", 6), ("A", 14), ("P", 6), ("R", 7), ("U", 11), ("G", 6), ("B", 1))
     for n in range(1, count + 1)
 ]
 PATTERN = np.array([-1.3, 1.3, -0.4, 0.4, 1.0, -1.0, 0.1, -0.1])
@@ -58,7 +59,7 @@ def test_seas_are_those_of_the_table_to_the_letter():
     assert {repr(c) for c in asked} == known
 
 
-@pytest.mark.parametrize("name", ["A99", "B", "", "gamma"])
+@pytest.mark.parametrize("name", ["A99", "X", "", "gamma"])
 def test_unknown_claims_are_refused(name):
     with pytest.raises(LeakrefError, match="no claim is called"):
         select([name])
@@ -225,8 +226,9 @@ class MadeUp:
 
     realizations = PATTERN.size
 
-    def __init__(self, formula, windows=None, seconds=(1.0, 2.0, 0.01)):
+    def __init__(self, formula, windows=None, seconds=(1.0, 2.0, 0.01), depth_error=0.0):
         self.formula, self.windows, self.times, self.kept = formula, windows or {}, seconds, {}
+        self.depth_error = depth_error
 
     def window(self, name):
         return self.windows.get(name, WINDOWS[name])
@@ -235,6 +237,12 @@ class MadeUp:
         shell, nsp, ls = self.times
         ones = np.ones(configuration.wavenumbers.size)
         return {"shell": shell * ones, "nsp": nsp * ones, "ls": ls * ones, "ls by Nelder-Mead": ls * ones}
+
+    def depths(self, c):
+        places = WAVENUMBERS.size + 2
+        off = np.repeat(self.depth_error + 0.01 * PATTERN[:, None], places, axis=1)
+        rest = np.zeros((*off.shape, 2)), np.ones(off.shape), np.zeros(off.shape, dtype=np.int64)
+        return [Depths(c, w, current, c.depth * (1 + off), *rest) for w in c.windows for current in CURRENTS]
 
     def __call__(self, c, window, method="nsp", setting=PLAIN):
         key = (c, window, method, setting)
@@ -334,7 +342,7 @@ def peaked_sizes(c, w, s, k):
 BLACKMANS = {"blackman": Window("blackman", "Blackman", (0.4209, 0.49953, 0.07957)), "hann": Stretched(0.65)}
 WORLDS = {
     "nothing": MadeUp(nothing, {"box": WINDOWS["hann"], "blackman": WINDOWS["box"], "hann": WINDOWS["box"]}),
-    "everything": MadeUp(everything, {"box": Diagonal("diagonal"), "hann": Diagonal("diagonal")}, (1.0, 1.0, 2.0)),
+    "everything": MadeUp(everything, {"box": Diagonal("diagonal"), "hann": Diagonal("diagonal")}, (1.0, 1.0, 2.0), 0.9),
     "paper": MadeUp(paper, {"blackman": Stretched(1.2)}),
     "reverse": MadeUp(reverse, BLACKMANS),
     "nsp better": MadeUp(method_world(0.1, 0.1, 6, 6), seconds=(0.0, 3.0, 1.0)),
@@ -439,6 +447,7 @@ FLIPS = {
     "G4": ("nothing", "everything"),
     "G5": ("gamma", "reverse"),
     "G6": ("resolution", "nothing"),
+    "B1": ("everything", "nothing"),
 }
 """For each claim a world in which every reading holds, and one in which none does."""
 

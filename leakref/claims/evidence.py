@@ -26,6 +26,8 @@ from leakref.cases import Configuration
 from leakref.chain import analyse
 from leakref.ensemble import Ensemble
 from leakref.methods import METHODS
+from leakref.paper.inferred import Depths
+from leakref.paper.inferred import ensembles as ensembles_of_depths
 from leakref.sea import Components
 from leakref.shell import Shell, shell_at
 from leakref.spectrum import fourier
@@ -77,6 +79,7 @@ class Evidence:
         self.realizations, self.folder, self.executor = realizations, folder, executor
         self._kept: dict[tuple[object, ...], Ensemble] = {}
         self._seconds: dict[Configuration, dict[str, FloatArray]] = {}
+        self._depths: dict[Configuration, list[Depths]] = {}
 
     def __call__(
         self, configuration: Configuration, window: str, method: str = "nsp", setting: Setting = PLAIN
@@ -99,6 +102,17 @@ class Evidence:
         if configuration not in self._seconds:
             self._seconds[configuration] = _timed(configuration)
         return self._seconds[configuration]
+
+    def depths(self, configuration: Configuration) -> list[Depths]:
+        """The depths inferred in a configuration over a bottom, for each window and `paper.inferred.CURRENTS`.
+
+        Kept as all ensembles are, so that what `leakref reproduce depth` has left there serves.
+        """
+        if configuration not in self._depths:
+            self._depths[configuration] = ensembles_of_depths(
+                configuration, self.realizations, folder=self.folder, executor=self.executor
+            )
+        return self._depths[configuration]
 
     def _plain(self, configuration: Configuration) -> list[Ensemble]:
         return next(

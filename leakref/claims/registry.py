@@ -116,7 +116,7 @@ def claim(id: str, words: str, label: str, test: str) -> Callable[[Predicate], P
 
 def position(id: str) -> tuple[int, int]:
     """Where a claim stands in the paper's list: its group, its number."""
-    return "WNAPRUG".index(id[0]), int(id[1:])
+    return "WNAPRUGB".index(id[0]), int(id[1:])
 
 
 def select(ids: Sequence[str]) -> list[Claim]:

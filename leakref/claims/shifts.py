@@ -346,6 +346,10 @@ class Altered(Evidence):
         """Timings are of a machine, not of a decision."""
         raise NotCovered(configuration.id)
 
+    def depths(self, configuration: Configuration) -> Any:
+        """Depths are inferred by the reference alone."""
+        raise NotCovered(configuration.id)
+
 
 def rejudged(
     variants: Sequence[Variant],

@@ -21,7 +21,7 @@ from leakref._tables import Table
 from leakref.cases import ASSUMED_DEEP, Configuration, configurations
 from leakref.dispersion import DEEP
 from leakref.ensemble import Ensemble
-from leakref.paper import depth
+from leakref.paper import depth, inferredtables
 from leakref.paper.shear import DIRECTIONS, Inferred, Sheared, answer, inferred, sheared
 from leakref.shell import Note
 
@@ -58,6 +58,8 @@ def run(
     raised for an unknown id and for what `runs` refuses. For case shear there is also a table of inferred shears, and
     the answer in words; for case depth one of what it costs to take the water for deep.
     """
+    if inferredtables.NAME in ids:
+        return inferredtables.run(ids, realizations=realizations, figures=figures, out=out, json=json, workers=workers)
     chosen = _named(ids)
     folder(out)
     done: list[Ensemble] = []
@@ -68,14 +70,16 @@ def run(
         ):
             done += found
             _write(out, found[0].configuration.id, found)
+        depths = inferredtables.inferred(chosen, realizations, folder=out / "parts", executor=executor)
     shears = [row for e in done if isinstance(e.configuration, Sheared) for row in inferred(e)]
     result = envelope("reproduce", True, cases=[_record(e) for e in done], route=route)
     if wrong := depth.mistakes(done):
         result |= {"assumed_deep": [row.record() for row in wrong]}
     if shears:
         result |= {"shear": [row.record() for row in shears], "answer": answer(shears)}
+    result |= inferredtables.fields(depths)
     write_whole(out / "reproduce.json", lambda path: path.write_text(dump(result) + "\n", encoding="utf-8"))
-    drawn = _draw(out, done, realizations, everything) if figures else []
+    drawn = _draw(out, done, realizations, everything) + inferredtables.drawn(out, depths) if figures else []
     if json:
         print(dump(result))
     else:
@@ -87,6 +91,7 @@ def run(
         if shears:
             Console().print(_shear_table(shears, realizations))
             Console().print(answer(shears), soft_wrap=True, highlight=False)
+        inferredtables.shown(depths)
     console().print(f"[dim]{len(done)} tables (CSV), reproduce.json and {len(drawn)} figures in {out}[/dim]")
     return True
 
