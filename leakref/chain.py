@@ -96,8 +96,7 @@ class Reference:
         can = {"extract": {"methods": list(methods.METHODS), "windows": windows, "resolves": "wavenumber"},
                "spectrum": {"windows": windows}, "window": {"names": windows}, "synthesize": {}}  # fmt: skip
         return {"name": "leakref", "version": __version__, "units": "scaled", "axes": "xyt", "y": "up",
-                "direction": "to", "fixed": [], "water": {"depth": "given", "surface_tension": "given"},
-                "can": can}  # fmt: skip
+                "direction": "to", "fixed": [], "can": can}  # fmt: skip
 
     def window(self, name: str, size: int) -> FloatArray:
         """Samples of a window, (size,)."""

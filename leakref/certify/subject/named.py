@@ -7,6 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from leakref.certify.subject.declaration import GIVEN, WATER
+from leakref.certify.subject.inprocess import accepts
+
 __all__ = ["Named"]
 
 
@@ -18,7 +21,9 @@ class Named:
 
     def describe(self) -> Mapping[str, object]:
         """What the code declares of itself (guide protocol, section 3)."""
-        return {**self._inner.describe(), **self._said}
+        extract = getattr(self._inner, "extract", None)
+        told = [name for name in WATER if extract and accepts(extract, name, by_name=True)]  # not seen through this one
+        return {"water": dict.fromkeys(told, GIVEN), **self._inner.describe(), **self._said}
 
     def extract(self, *cube: Any, **settings: Any) -> Any:
         """Velocities, (n, 2), masked where there is none."""
