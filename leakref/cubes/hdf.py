@@ -17,10 +17,11 @@ from leakref._base import LeakrefError, installed_with
 from leakref.cubes.deferred import BLOCK, IN_MEMORY, Deferred
 from leakref.cubes.suspicion import claim, refuse
 
-__all__ = ["is_zarr", "list_mat", "list_netcdf", "netcdf_library", "read_mat", "read_netcdf"]
+__all__ = ["ATTRIBUTES", "is_zarr", "list_mat", "list_netcdf", "netcdf_library", "read_mat", "read_netcdf"]
 
 Listing = dict[str, tuple[tuple[int, ...], str]]
-_COORDINATES = ("lat", "latitude", "lon", "longitude", "time", "x", "y", "t")
+ATTRIBUTES = ("units", "gravity", "depth", "surface_tension")
+"""What a NetCDF file may say in an attribute instead of a variable."""
 
 
 def netcdf_library() -> Any:
@@ -92,7 +93,7 @@ def read_netcdf(path: Path, stream: BinaryIO | None, names: Sequence[str], most:
             if data[name].ndim == 1:
                 about = data[name].attrs
                 found[f"axis of {name}"] = str(about.get("axis", "") or _standard(about.get("standard_name", "")))
-        found |= {name: data.attrs[name] for name in ("units", "gravity") if name in data.attrs and name not in found}
+        found |= {name: data.attrs[name] for name in ATTRIBUTES if name in data.attrs and name not in found}
     return found
 
 

@@ -38,6 +38,7 @@ _SPELLED = {
     "y": ("y", "Y", "yc", "ys", "y_m", "row", "rows", "north", "northing", "gridY", "lat", "latitude"),
     "t": ("t", "T", "time", "Time", "times", "tt", "timestamp", "timestamps", "frame", "frames"),
     "gravity": ("gravity", "g"),
+    "depth": ("depth", "water_depth"),
     "dt": ("dt", "Dt", "delta_t"),
 }
 """Names under which the variables of a cube are found; the first is the name here."""
