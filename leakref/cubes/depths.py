@@ -88,6 +88,6 @@ def _at_best_depth(band: Band, tension: float) -> Fit:
     share = max(one.share for one in tried.values())
     alike = sorted(depth for depth, one in tried.items() if one.share >= (1 - ALIKE) * share)
     best = max(alike, key=lambda depth: (tried[depth].share, depth))
-    if own.depth in alike and tension == own.surface_tension:
+    if own.depth in alike:
         best = own.depth  # what is taken for granted stays so unless another is better
     return Fit(tried[best], Water(own.gravity, best, tension), alike[0], alike[-1])

@@ -126,8 +126,8 @@ def _water(campaign: Campaign) -> list[str]:
     )
     where = f"waves of {campaign.peak_wavelength:.3g} m travel at {campaign.phase_velocity:.3g} m/s"
     return [
-        f"Give {what} to the extraction: {where} here, and one for deep water without tension would take the difference, "
-        f"{abs(off):.2g} m/s, for a current {'with' if off > 0 else 'against'} them."
+        f"Give {what} to the extraction: {where} here, and one for deep water without tension would take the "
+        f"difference, {abs(off):.2g} m/s, for a current {'with' if off > 0 else 'against'} them."
     ]
 
 

@@ -45,8 +45,8 @@ def _registry() -> Any:
 
 def quantity(call: str, option: str, text: str, unit: str, example: str | None = None) -> float:
     """`text` in `unit`, whatever unit of that kind it is written in. Raises LeakrefError, and if there is no unit.
-    `call`, `option` and an `example` are for the message. Refused are also units of another kind, plain numbers for an angle, and
-    what is not finite.
+    `call`, `option` and an `example` are for the message. Refused are also units of another kind, plain numbers for an
+    angle, and what is not finite.
     """
     from pint.errors import PintError
 
