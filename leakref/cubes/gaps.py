@@ -17,7 +17,8 @@ from leakref.cubes.blocks import release
 
 __all__ = ["seemingly_lost"]
 
-_LOOKED_AT = 48  # pixels along each of x and y, at most
+_LOOKED_AT = (8, 48)  # pixels along each of x and y: at most the second, and of long videos no fewer than the first
+_SAMPLES = 2**22  # of all pixels that are looked at
 _TELLING = 1.5  # how much nearer a frame must be to what two steps foretell, as a ratio of mean squares
 _CLEAN = (0.5, 0.25)  # of the frames, one and two steps ahead: so many are taken to have no gap before them
 _ROUNDS = 6
@@ -33,7 +34,8 @@ def seemingly_lost(surface: Any) -> list[int]:
     nx, ny, nt = surface.shape
     if nt < _FEWEST:
         return []
-    every = [max(1, n // _LOOKED_AT) for n in (nx, ny)]
+    side = int(np.clip(np.sqrt(_SAMPLES / nt), *_LOOKED_AT))
+    every = [-(-n // side) for n in (nx, ny)]
     pixels = np.asarray(surface[:: every[0], :: every[1]], dtype=np.float64).reshape(-1, nt).T
     release(surface)
     pixels = pixels - pixels.mean(axis=1, keepdims=True)

@@ -49,7 +49,7 @@ def mended(path: Path, eta: Any, time: Steps, asked: Asked, notes: list[str]) ->
         notes.append(_seeming(gone))
         seen = Steps(time.step, lost=tuple((at, 1) for at in gone))
         return _interpolated(path, values, seen, asked, notes), time.step, 0
-    return values, time.step, _warned(gone, values.shape[2], time.step, notes, fill=True)
+    return values, time.step, _warned(gone, values.shape[2], time.step, notes)
 
 
 def _seeming(gone: Sequence[int]) -> str:
@@ -61,7 +61,7 @@ def _seeming(gone: Sequence[int]) -> str:
     )
 
 
-def _warned(gone: Sequence[int], nt: int, step: float, notes: list[str], fill: bool) -> int:
+def _warned(gone: Sequence[int], nt: int, step: float, notes: list[str]) -> int:
     """Say which frames seem to be lost, and what helps; how many they are."""
     if gone:
         share = np.ceil(1000 * len(gone) / (nt + len(gone))) / 1000
@@ -69,7 +69,7 @@ def _warned(gone: Sequence[int], nt: int, step: float, notes: list[str], fill: b
         first, end = _longest([-1, *gone, nt - 1])
         stretch = f"--frames {first}:{end} takes the longest stretch without a loss, " * (4 * (end - first) >= nt)
         notes.append(
-            f"WARNING: {_seeming(gone)}; {put_in * fill}{stretch}--spacing dx,dy,{step * (nt + len(gone)) / nt:.6g}, "
+            f"WARNING: {_seeming(gone)}; {put_in}{stretch}--spacing dx,dy,{step * (nt + len(gone)) / nt:.6g}, "
             "if that is not allowed for yet, takes all as equally spaced"
         )
     return len(gone)
@@ -89,7 +89,8 @@ def mapped(path: Path, eta: Any, time: Steps, asked: Asked, notes: list[str]) ->
         return mended(path, eta, time, asked, notes)
     if time.lost or time.doubled:
         _refuse_lost(path, time, eta.shape[2], "")
-    lost = _warned(seemingly_lost(eta), eta.shape[2], time.step, notes, fill=8 * eta.size <= IN_MEMORY)
+    gone = seemingly_lost(eta) if 8 * eta.size <= IN_MEMORY else []  # a lattice of pixels may be on every page there is
+    lost = _warned(gone, eta.shape[2], time.step, notes)
     if asked.holes and eta.dtype.kind == "f":
         return _mapped_filled(path, eta, asked, notes), time.step, lost
     return eta, time.step, lost
