@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from leakref._base import FloatArray
+from leakref._base import FloatArray, levelled
 from leakref.cubes.blocks import release
 
 __all__ = ["seemingly_lost"]
@@ -36,11 +36,14 @@ def seemingly_lost(surface: Any) -> list[int]:
         return []
     side = int(np.clip(np.sqrt(_SAMPLES / nt), *_LOOKED_AT))
     every = [-(-n // side) for n in (nx, ny)]
-    pixels = np.asarray(surface[:: every[0], :: every[1]], dtype=np.float64).reshape(-1, nt).T
+    looked_at = np.asarray(surface[:: every[0], :: every[1]], dtype=np.float64)
     release(surface)
+    if not np.isfinite(looked_at).all():
+        return []
+    pixels = levelled(looked_at)[0].reshape(-1, nt).T
     pixels = pixels - pixels.mean(axis=1, keepdims=True)
     spread = pixels.std(axis=1, keepdims=True)
-    if not np.isfinite(pixels).all() or not (spread > 0).all():
+    if not (spread > 0).all():
         return []
     pixels = pixels / spread
     one, two = (_foretold(pixels, ahead) for ahead in (1, 2))

@@ -219,14 +219,21 @@ def rotate(surface: Any, grid: Grid, angle: float) -> tuple[FloatArray, Grid]:
 
 
 def turn(
-    spectra: Sequence[Spectrum], wavenumbers: FloatArray, angle: float, *, water: Water, method: str = "nsp"
+    spectra: Sequence[Spectrum],
+    wavenumbers: FloatArray,
+    angle: float,
+    *,
+    gravity: float | None = None,
+    water: Water | None = None,
+    method: str = "nsp",
 ) -> Turned:
     """The velocities from the (untapered, tapered) spectra of a cube rotated by `angle`, turned back.
 
     `wavenumbers` (n,) are those of the cube before; a shell is measured only if it lies whole within the square's own
-    wavenumbers, and clear of zero. Velocities come back in the axes of the unrotated cube.
+    wavenumbers, and clear of zero. Velocities come back in the axes of the unrotated cube. `water` or `gravity` are as
+    in `screen`.
     """
-    grid = spectra[0].grid
+    water, grid = law("turn", gravity, water), spectra[0].grid
     dk = grid.wavenumber_resolution
     whole = (wavenumbers >= 2 * HALF_WIDTH * dk * (1 - EDGE_MARGIN)) & (
         wavenumbers + HALF_WIDTH * dk < min(grid.nyquist[:2]) * (1 - EDGE_MARGIN)
