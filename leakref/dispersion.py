@@ -122,10 +122,10 @@ def velocity_resolutions(
 def velocity_unit(wavenumber: float, water: Water, peak_wavenumber: float | None) -> float:
     """The phase velocity at k0: the unit in which the search starts and flags are judged, c0 if the water is deep.
 
-    Where the peak is not given: k0 = 1 if gravity is 1 (scaled units), else the shell's own wavenumber, which
-    keeps results the same at every scale (decision D21). In other water it is that water's (decision D29).
+    Without a peak k0 = 1 if scaled (gravity 1, k from 1/4 to 4), else k, which is the same at every scale (D21, D29).
     """
-    return float(water.phase_velocity(peak_wavenumber or (1.0 if water.gravity == 1 else wavenumber)))
+    is_scaled = water.gravity == 1 and 0.25 <= wavenumber <= 4  # so that the unit is within twice and half of its own
+    return float(water.phase_velocity(peak_wavenumber or (1.0 if is_scaled else wavenumber)))
 
 
 @dataclass(frozen=True)

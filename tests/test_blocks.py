@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tracemalloc
+from contextlib import contextmanager
 
 import numpy as np
 import pytest
@@ -85,3 +86,26 @@ def test_wrong_use_is_refused(surface):
         fourier_in_blocks(surface[1:], GRID)
     with pytest.raises(LeakrefError, match="no trend is called 'cubic'"):
         trend(surface, "cubic")
+
+
+@pytest.mark.parametrize("order", [(0, 1, 2), (2, 0, 1)])
+def test_every_block_and_every_row_is_a_step_of_the_progress(monkeypatch, order):
+    """A long file shows how far it has come, in the blocks and then along the last axis, and each bar ends full."""
+    bars = []
+
+    @contextmanager
+    def bar(what, total):
+        bars.append([what, total, 0])
+
+        def step():
+            bars[-1][2] += 1
+
+        yield step
+
+    monkeypatch.setattr("leakref.cubes.blocks.progress_bar", bar)
+    cube = np.random.default_rng(0).normal(size=[(24, 26, 28)[n] for n in np.argsort(order)]).transpose(order)
+    cube = np.ascontiguousarray(cube.transpose(np.argsort(order))).transpose(order)
+    trend(cube, "mean", block=8 * 26 * 28 * 3)
+    fourier_in_blocks(cube, Grid(cube.shape, (1.0, 1.0, 1.0)), "hann", block=8 * 26 * 28 * 3)
+    assert [what.split(",")[0] for what, *_ in bars] == ["looking for a trend", *["transforming (hann)"] * 2]
+    assert all(total == steps > 1 for _, total, steps in bars), bars

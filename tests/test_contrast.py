@@ -11,7 +11,7 @@ import pytest
 from leakref import Components, Grid, SeaState, fourier, leakage, synthesize
 from leakref.cases import PAPER_CASES, Configuration
 from leakref.chain import analyse, shell_wavenumbers
-from leakref.cubes import causes, contrast
+from leakref.cubes import causes, contrast, depths
 from leakref.cubes.cube import Cube
 from leakref.cubes.screen import shells_with_signal
 from leakref.cubes.wavenumbers import default_wavenumbers
@@ -32,7 +32,8 @@ def judged(spectrum, k, water=DEEP):
     some = k[:: max(1, k.size // 5)]
     found = analyse(spectrum, some, water=water, search=False).velocities if some.size else np.zeros((0, 2))
     contrasts = contrast.contrasts(spectrum, some, found, water)
-    cube = Cube(np.zeros((2, 2, 2)), spectrum.grid, water.gravity)
+    still = {"depth": water.depth, "surface_tension": water.surface_tension}
+    cube = Cube(np.zeros((2, 2, 2)), spectrum.grid, water.gravity, **still)
     return causes.judge(contrast.band(spectrum, k, water), contrasts, cube), contrasts
 
 
@@ -48,6 +49,65 @@ def test_no_sea_of_the_paper_is_called_one_without_a_shell(configuration):
     assert (verdict.holds, verdict.words) == (True, ())
     assert verdict.share > 1.5 * contrast.SHARE
     assert np.mean(np.array(contrasts) > contrast.CONTRAST) > 0.9
+
+
+def in_depth(kh, **varied):
+    varied = {"length": 5, "duration": 10} | varied
+    return Configuration("depth", depth=kh, varied=("depth",), **varied)
+
+
+SHALLOW = [0.7, 1.0, 1.5, 2.0]
+
+
+@pytest.mark.parametrize("kh", SHALLOW)
+@pytest.mark.parametrize(
+    "varied",
+    [
+        {},
+        {"direction": 60, "spread": 15, "peakedness": 7},
+        {"speed": 0.15, "current_direction": -90},
+        pytest.param({"length": 10, "duration": 20}, marks=pytest.mark.slow),
+        pytest.param({"length": 20, "duration": 20, "spread": 15}, marks=pytest.mark.slow),
+    ],
+)
+def test_no_sea_of_a_known_depth_is_called_one_without_a_shell_or_of_another(kh, varied):
+    configuration = in_depth(kh, **varied)
+    verdict, contrasts = judged(*of(configuration), configuration.water)
+    assert (verdict.holds, verdict.words) == (True, ())
+    assert verdict.share > 1.5 * contrast.SHARE
+    assert np.mean(np.array(contrasts) > contrast.CONTRAST) > 0.9
+    low, high = verdict.depths
+    assert low <= kh <= high
+
+
+@pytest.mark.parametrize("kh", [0.5, 0.7, 1.0])
+@pytest.mark.parametrize("taken", [np.inf, 3.0, 0.25])
+def test_a_depth_that_is_not_there_is_told_with_the_one_that_is(kh, taken):
+    """Deep water taken for granted, a depth too large and one too small; within what the cube leaves open."""
+    verdict, _ = judged(*of(in_depth(kh, direction=75)), Water(depth=taken))
+    assert not verdict.holds
+    (said,) = (word for word in verdict.words if "--depth" in word)
+    found = float(re.search(r"--depth (\S+)", said)[1])
+    low, high = verdict.depths
+    assert low * 0.99 <= kh <= high * 1.01
+    assert found == pytest.approx(kh, rel=0.25)
+
+
+def test_where_k_h_is_large_nothing_is_said_of_the_depth():
+    for water in (DEEP, Water(depth=6.0), Water(depth=50.0)):
+        verdict, _ = judged(*of(in_depth(3.0)), water)
+        assert (verdict.holds, verdict.words) == (True, ())
+        assert 1 < verdict.depths[0] < 4
+        assert verdict.depths[1] == np.inf
+
+
+def test_the_depth_of_waves_all_alike_is_told_to_a_tenth():
+    """By the fit alone, in a larger cube: what the words and the JSON are made of."""
+    spectrum, k = of(in_depth(0.8, length=8, duration=16))
+    found = depths.fit(contrast.band(spectrum, k[shells_with_signal(spectrum, k, 0.5)], DEEP), metric=False)
+    assert found.water.depth == pytest.approx(0.8, rel=0.1)
+    assert found.shallowest < 0.8 < found.deepest < 1.5 * found.shallowest
+    assert not found.is_deep
 
 
 @pytest.mark.parametrize("decibels", [0, -10, -20])

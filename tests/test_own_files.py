@@ -123,6 +123,67 @@ def matlab_73(path, **variables):
     return path
 
 
+def test_every_tenth_frame_lost_in_noise_is_told_by_the_step(tmp_path, surface):
+    """Where the frames cannot be told one by one: a warning that names the cause, since a shear does as much."""
+    x, y, t = X, Y, np.arange(200) / 29.97
+    sea = SeaState(70, 60, length=5, current=UniformCurrent(tuple(CURRENT / SCALES.velocity))).components(1)
+    long = synthesize(sea.to_units(SCALES), x, y, t)
+    long += 0.6 * long.std() * np.random.default_rng(0).normal(size=long.shape)
+    np.save(tmp_path / "a.npy", long[:, :, np.flatnonzero(np.arange(200) % 10 != 9)])
+    words = extract(tmp_path / "a.npy", *SPACING, *TANK, "--axes", "xyt")["shell_band"]["words"]
+    assert words[0].startswith("WARNING")
+    assert any("every tenth frame lost: comes right with --spacing 0.024,0.022,0.0370741" in word for word in words)
+
+
+def test_an_array_of_structures_in_mat_v5(tmp_path, bytes_):
+    film = np.zeros((1, 3), dtype=[("IMG", object), ("dt", object), ("at", object)])
+    for n, start in enumerate((0, 10, 20)):
+        film[0, n] = (bytes_[..., start : start + 76], (n + 1) / 29.97, {"dx": 0.024, "dy": 0.022})
+    savemat(tmp_path / "a.mat", {"FILM": film})
+    options = ("--axes", "xyt", *TANK)
+    refused = extract(tmp_path / "a.mat", status=2)
+    assert "holds 3 variables with three axes: it holds FILM(1).IMG to FILM(3).IMG 48 x 56 x 76 uint8" in refused
+    assert "--variable 'FILM(1).IMG'" in refused
+    given = extract(tmp_path / "a.mat", *options, "--variable", "FILM(1).IMG", "--spacing", "0.024,0.022")
+    assert_right(given)
+    other = extract(tmp_path / "a.mat", *options, "--variable", "FILM(3).IMG", *SPACING)
+    assert_right(other)
+    assert other["doppler_shift_velocities"] != given["doppler_shift_velocities"]
+    assert "holds no variable FILM(4).IMG" in extract(tmp_path / "a.mat", "--variable", "FILM(4).IMG", status=2)
+    frames = np.zeros((1, 40), dtype=[("frame", object)])
+    for n in range(40):
+        frames[0, n] = (bytes_[..., n],)
+    savemat(tmp_path / "b.mat", {"S": frames})
+    refused = extract(tmp_path / "b.mat", status=2)
+    assert "S(1).frame to S(40).frame 48 x 56 uint8" in refused
+    assert "are stacked by eta = cat(3, S.frame)" in refused
+
+
+def test_an_array_of_structures_in_mat_v73(tmp_path, bytes_):
+    """As MATLAB writes it: a field is an array of references to what it is in each structure."""
+    path = matlab_73(tmp_path / "a.mat", **{"note": 7.0})
+    with h5py.File(path, "r+") as file:
+        references = {name: np.empty((3, 1), dtype=h5py.ref_dtype) for name in ("IMG", "dt", "at")}
+        for n, start in enumerate((0, 10, 20)):
+            held = file.create_dataset(f"#refs#/a{n}", data=bytes_[..., start : start + 76].T)
+            step = file.create_dataset(f"#refs#/b{n}", data=[[(n + 1) / 29.97]])
+            place = file.create_group(f"#refs#/c{n}")
+            place.create_dataset("dx", data=[[0.024]])
+            for name, one in (("IMG", held), ("dt", step), ("at", place)):
+                references[name][n, 0] = one.ref
+        for name, array in references.items():
+            file.create_dataset(f"FILM/{name}", data=array, dtype=h5py.ref_dtype)
+        file.create_dataset("cells", data=references["IMG"], dtype=h5py.ref_dtype)
+        file["cells"].attrs["MATLAB_class"] = np.bytes_("cell")
+    refused = extract(path, status=2)
+    assert "FILM(1).IMG to FILM(3).IMG 48 x 56 x 76 uint8" in refused
+    assert "FILM(1).at.dx to FILM(3).at.dx 1 x 1 float64" in refused
+    assert "cells 1 x 3 cell" in refused
+    given = extract(path, "--axes", "xyt", *TANK, "--variable", "FILM(1).IMG", "--spacing", "0.024,0.022")
+    assert given["spacing"][2] == pytest.approx(1 / 29.97)
+    assert_right(given)
+
+
 @pytest.mark.parametrize("limit", [2**30, 10**5])
 def test_mat_v73_whole_and_in_blocks(tmp_path, bytes_, monkeypatch, limit):
     monkeypatch.setattr("leakref.cubes.hdf.IN_MEMORY", limit)
@@ -320,11 +381,11 @@ def test_every_tenth_frame_lost_and_no_stamps(tmp_path, surface):
     )
     kept = np.flatnonzero(np.arange(200) % 10 != 9)
     np.save(tmp_path / "a.npy", long[:, :, kept])
-    words = extract(tmp_path / "a.npy", *SPACING, *TANK, "--axes", "xyt")["shell_band"]["words"]
-    assert words[0].startswith("WARNING")
-    assert any("every tenth frame lost: comes right with --spacing 0.024,0.022,0.0370741" in word for word in words), (
-        words
-    )
+    told = extract(tmp_path / "a.npy", *SPACING, *TANK, "--axes", "xyt", status=1)
+    assert any(word.startswith("19 of 199 frames are lost") for word in told["shell_band"]["words"])
+    assert any("lost, behind frames 8, 17, 26, 35, 44, 53, 62, 71 and 11 more" in note for note in told["notes"])
+    put_in = re.search(r"--fill-holes (\S+)", " ".join(told["notes"]))[1]
+    assert_right(extract(tmp_path / "a.npy", *SPACING, *TANK, "--axes", "xyt", "--fill-holes", put_in))
     t = np.arange(200)[kept] / 29.97
     refused = extract(stamped(tmp_path / "a.npz", long[:, :, kept], t), status=2)
     assert "has lost 19 frames, behind frames 8, 17, 26" in refused

@@ -124,7 +124,9 @@ def test_wavenumbers_may_be_one_number_or_a_list():
 
 
 def test_velocity_unit_is_the_phase_velocity_at_the_peak():
-    assert velocity_unit(2.0, DEEP, None) == 1.0  # scaled units
+    assert [velocity_unit(k, DEEP, None) for k in (0.25, 0.4, 2.0, 3.5, 4.0)] == [1.0] * 5  # scaled units
+    for k in (0.05, 60.0):  # a gravity of 1 in other units: nothing is known of the peak
+        assert velocity_unit(k, DEEP, None) == pytest.approx(k**-0.5, rel=4e-16)
     assert velocity_unit(2.0, Water(9.81), None) == pytest.approx(np.sqrt(9.81 / 2), rel=4e-16)  # decision D21
     assert velocity_unit(2.0, Water(9.81), 0.1) == pytest.approx(np.sqrt(98.1), rel=4e-16)
 

@@ -56,6 +56,12 @@ def extract(
         bool, typer.Option("--drop-doubled", help="Leave out frames that are the same as the one before.")
     ] = False,
     gravity: Annotated[float | None, typer.Option(help="In the file's units, if it does not say.")] = None,
+    depth: Annotated[
+        str | None, typer.Option(help="Of the water: 4m, a plain number in the file's unit of length, or deep.")
+    ] = None,
+    surface_tension: Annotated[
+        str | None, typer.Option(help="Over the density: 7.3e-5m3/s2, a plain number in the file's units, or water.")
+    ] = None,
     detrend: Annotated[str, typer.Option(help="Remove first: none, mean, or linear (a plane in x, y, t).")] = "none",
     out: Annotated[Path | None, typer.Option(help="Folder for JSON, CSV, NetCDF and figures.")] = None,
     json: Json = False,
@@ -80,6 +86,8 @@ def extract(
         axes=axes,
         y=y,
         gravity=gravity,
+        depth=depth,
+        surface_tension=surface_tension,
         holes=fill_holes,
         drop_doubled=drop_doubled,
     )
@@ -125,6 +133,10 @@ def plan(
     current_direction: Annotated[str | None, typer.Option(help="Where it goes; default: with the waves.")] = None,
     pixel: Annotated[str | None, typer.Option(help="Default: 1/28 of the peak's wavelength.")] = None,
     frame_rate: Annotated[str | None, typer.Option(help="2Hz; default: 14 images in a period of the peak.")] = None,
+    depth: Annotated[str, typer.Option(help="Of the water, 4m, or deep.")] = "deep",
+    surface_tension: Annotated[
+        str | None, typer.Option(help="Over the density: water, or 7.3e-5m3/s2; matters below 0.3 m. Default: none.")
+    ] = None,
     sweep: Annotated[
         str | None, typer.Option(help="Also over any one of these: spread=15deg:90deg:6, first, last and how many.")
     ] = None,
@@ -147,6 +159,8 @@ def plan(
         "current-direction": current_direction,
         "pixel": pixel,
         "frame-rate": frame_rate,
+        "depth": depth,
+        "surface-tension": surface_tension,
     }
     return run(
         given, sweep=sweep, realizations=realizations, out=out, workers=workers, cores=os.cpu_count() or 1, json=json

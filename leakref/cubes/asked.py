@@ -14,11 +14,9 @@ from typing import Any
 import numpy as np
 
 from leakref._base import LeakrefError
+from leakref.planning.quantities import DEEP_WATER, depth_words, tension_words
 
-__all__ = ["DEEP_WATER", "Asked", "Assumed", "parse_crop", "parse_range", "parse_spacing"]
-
-DEEP_WATER = "deep water"
-"""The depth of every cube, as it stands in `assumed`. An option `--depth` would put a number in its place."""
+__all__ = ["Asked", "Assumed", "in_words", "parse_crop", "parse_range", "parse_spacing"]
 
 
 @dataclass(frozen=True)
@@ -29,7 +27,8 @@ class Asked:
     - `axes`: a permutation of "xyt", the order in which the samples are stored, first index first.
     - `y`: "up" if a larger row is a larger y, "down" if rows are counted downwards, as in images.
     - `spacing`: (dx, dy, dt), or (dx, dy) where the file knows its frame rate.
-    - `gravity`: in the units of length and time that the cube is read in.
+    - `gravity`: in the units of length and time that the cube is read in. So are `depth` and `surface_tension`, unless
+      they are words with a unit, such as "4m", or "deep" and "water" (see `waters`).
     - `crop`: slices along x and along y, of samples as they are stored; `frames`: one along t.
     - `holes`: up to this share of samples may be missing (NaN): they are filled with the mean, lost frames by
       interpolation.
@@ -43,6 +42,8 @@ class Asked:
     y: str | None = None
     spacing: Sequence[float] | None = None
     gravity: float | None = None
+    depth: float | str | None = None
+    surface_tension: float | str | None = None
     crop: tuple[slice, slice] = field(default=(slice(None), slice(None)))
     frames: slice = field(default_factory=lambda: slice(None))
     holes: float = 0.0
@@ -81,13 +82,15 @@ class Assumed:
     units: str
     gravity: float
     step: tuple[float, float, float]
-    depth: str = DEEP_WATER
+    depth: float = np.inf
+    surface_tension: float = 0.0
     sources: dict[str, str] = field(default_factory=dict)
 
     def record(self) -> dict[str, Any]:
         """The fields of `assumed` in the JSON."""
-        names = ("variable", "axes", "y", "units", "gravity", "depth", "step")
-        return {name: getattr(self, name) for name in names} | {"from": dict(self.sources)}
+        names = ("variable", "axes", "y", "units", "gravity", "depth", "surface_tension", "step")
+        deep = {"depth": DEEP_WATER} if self.depth == np.inf else {}
+        return {name: getattr(self, name) for name in names} | deep | {"from": dict(self.sources)}
 
     def line(self) -> str:
         """All of it in one line, with the source of each in brackets."""
@@ -100,12 +103,19 @@ class Assumed:
             "y": f"y {self.y}wards along the rows",
             "units": f"units {units[self.units]}",
             "gravity": f"gravity {self.gravity:.6g} {g}".rstrip(),
-            "depth": self.depth,
+            "depth": in_words(self.depth, self.surface_tension, self.units),
             "step": f"dx, dy {dx}, {dy} {length}".rstrip() + f", dt {dt} {time}".rstrip(),
         }
         source = {**self.sources, "variable": self.sources.get("axes", "")}
         words = (text + (f" ({source[name]})" if source.get(name) else "") for name, text in said.items())
         return f"Taken: {'; '.join(words)}."
+
+
+def in_words(depth: float, surface_tension: float, units: str) -> str:
+    """Depth and surface tension of a cube in `units`, for lines and titles."""
+    metric = units == "si"
+    words = depth_words(depth, "m" * metric), tension_words(surface_tension, "m3/s2" * metric)
+    return ", ".join(word for word in words if word)
 
 
 def parse_spacing(text: str) -> list[float]:

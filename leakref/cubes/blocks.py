@@ -15,6 +15,7 @@ import numpy as np
 from scipy import fft
 
 from leakref._base import ORDINARY, ComplexArray, FloatArray, LeakrefError, finite
+from leakref._output import progress_bar
 from leakref.grid import Grid
 from leakref.spectrum import Spectrum
 from leakref.window import window as named_window
@@ -26,7 +27,7 @@ TRENDS = ("none", "mean", "linear")
 _BLOCK = 2**26  # bytes of samples, as float64, held at a time
 
 
-def _blocks(surface: Any, size: int) -> Iterator[tuple[int, slice, FloatArray]]:
+def _blocks(surface: Any, size: int, what: str) -> Iterator[tuple[int, slice, FloatArray]]:
     """(axis, slice, finite float64 samples) along the axis that is slowest in the file: reads are in order. A block is
     a slice along one axis, whole along the others. It ends early at samples that are too large, since their sums would
     be infinite.
@@ -36,19 +37,21 @@ def _blocks(surface: Any, size: int) -> Iterator[tuple[int, slice, FloatArray]]:
     n = surface.shape[axis]
     step = max(1, size * n // (8 * int(np.prod(surface.shape, dtype=np.int64))))
     largest = 0.0
-    for start in range(0, n, step):
-        release(surface)
-        part = slice(start, min(start + step, n))
-        samples = finite(
-            "extract",
-            f"the surface, samples {start}...{part.stop - 1} along {'xyt'[axis]},",
-            np.asarray(surface[(slice(None),) * axis + (part,)]),
-            3,
-        )
-        largest = max(largest, float(samples.max()), -float(samples.min()))
-        if largest > 2.0**ORDINARY:
-            break
-        yield axis, part, samples
+    with progress_bar(what, -(-n // step)) as done:
+        for start in range(0, n, step):
+            release(surface)
+            part = slice(start, min(start + step, n))
+            samples = finite(
+                "extract",
+                f"the surface, samples {start}...{part.stop - 1} along {'xyt'[axis]},",
+                np.asarray(surface[(slice(None),) * axis + (part,)]),
+                3,
+            )
+            largest = max(largest, float(samples.max()), -float(samples.min()))
+            if largest > 2.0**ORDINARY:
+                break
+            yield axis, part, samples
+            done()
     if largest and not 2.0**-ORDINARY <= largest <= 2.0**ORDINARY:
         raise LeakrefError("extract", f"the surface has samples of {largest:.3g} and no more", "scale them nearer to 1")
 
@@ -79,7 +82,7 @@ def trend(surface: Any, kind: str, *, block: int = _BLOCK) -> FloatArray:
     if kind == "none":
         return found
     centred = [np.arange(n) - (n - 1) / 2 for n in surface.shape]
-    for axis, part, samples in _blocks(surface, block):
+    for axis, part, samples in _blocks(surface, block, "looking for a trend"):
         index = [c[part] if a == axis else c for a, c in enumerate(centred)]
         along_t = samples.sum(axis=(0, 1))
         found += [
@@ -154,7 +157,7 @@ def fourier_in_blocks(
     tapers = [named_window(window).samples(n) for n in grid.shape]
     half = grid.shape[2] // 2 + 1
     partial: ComplexArray | None = None
-    for axis, part, samples in _blocks(surface, block):
+    for axis, part, samples in _blocks(surface, block, f"transforming ({window})"):
         wx, wy, wt = (w[part] if a == axis else w for a, w in enumerate(tapers))
         samples = samples - plane(remove, grid.shape, axis, part) if remove is not None else samples.copy()
         samples *= (wx[:, None] * wy)[:, :, None]
@@ -170,13 +173,14 @@ def fourier_in_blocks(
         partial[(slice(None),) * axis + (part,)] = values
     assert partial is not None  # a grid has samples
     whole = np.empty((kept[0].size, kept[1].size, half), dtype=np.complex128)
-    for n in range(
-        whole.shape[1] if axis == 0 else whole.shape[0]
-    ):  # row by row into its place: nothing is there twice
-        if axis == 2:
-            whole[n] = fft.ifft(partial[n], axis=-1, norm="forward")[:, :half]
-        elif axis == 0:
-            whole[:, n] = fft.fft(partial[:, n], axis=0)[kept[0]]
-        else:
-            whole[n] = fft.fft(partial[n], axis=0)[kept[1]]
+    rows = whole.shape[1] if axis == 0 else whole.shape[0]
+    with progress_bar(f"transforming ({window}), along {'xyt'[axis]}", rows) as done:
+        for n in range(rows):  # row by row into its place: nothing is there twice
+            if axis == 2:
+                whole[n] = fft.ifft(partial[n], axis=-1, norm="forward")[:, :half]
+            elif axis == 0:
+                whole[:, n] = fft.fft(partial[:, n], axis=0)[kept[0]]
+            else:
+                whole[n] = fft.fft(partial[n], axis=0)[kept[1]]
+            done()
     return Spectrum(grid, window, kept[0], kept[1], whole)

@@ -21,7 +21,7 @@ from leakref.cubes.asked import parse_crop, parse_range, parse_spacing
 from leakref.cubes.cube import UNITS, Cube
 from leakref.cubes.measuring import Measured, Request, measure
 from leakref.cubes.wavenumbers import parse_wavenumbers
-from leakref.dispersion import Water, velocity_resolutions
+from leakref.dispersion import velocity_resolutions
 from leakref.methods import method as named_method
 from leakref.window import window as named_window
 
@@ -94,7 +94,7 @@ def _record(
     """What stands in the JSON, the flags of each wavenumber, and the two resolutions."""
     found, screened, shell, window = measured.found, measured.screened, measured.shell, request.window
     dk, domega = cube.grid.wavenumber_resolution, cube.grid.frequency_resolution
-    resolutions = velocity_resolutions(found.wavenumbers, dk, domega, Water(cube.gravity))
+    resolutions = velocity_resolutions(found.wavenumbers, dk, domega, cube.water)
     flags = [list(note.names) for note in found.notes]
     if screened is not None and window == "box":  # flags belong to the velocities reported: the untapered ones
         for names, verdict in zip(flags, screened.verdicts, strict=True):
@@ -114,6 +114,8 @@ def _record(
         method=request.method,
         units={"system": cube.units, "wavenumber": reporting.PER_LENGTH[cube.units], "velocity": UNITS[cube.units]},
         gravity=cube.gravity,
+        depth=cube.depth,
+        surface_tension=cube.surface_tension,
         shape=cube.grid.shape,
         spacing=cube.grid.spacing,
         axes="xyt",
@@ -122,7 +124,7 @@ def _record(
         peak_wavenumber=cube.peak_wavenumber,
         assumed=None if cube.assumed is None else cube.assumed.record(),
         shell=measured.contrasts,
-        shell_band=None if shell is None else {"holds": shell.holds, "share": shell.share, "words": shell.words},
+        shell_band=reporting.shell_record(shell),
         notes=measured.notes,
         verdicts=None if screened is None else screened.verdicts,
         screen=reporting.screen_record(screened, window),

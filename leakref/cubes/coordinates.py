@@ -18,18 +18,19 @@ import numpy.typing as npt
 from leakref._base import LARGEST, FloatArray, IntArray
 from leakref.cubes.formats import refuse
 
-__all__ = ["JITTER", "Steps", "flat", "metric_factors", "stated_units", "steps"]
+__all__ = ["JITTER", "LENGTHS", "Steps", "flat", "metric_factors", "stated_units", "steps"]
 
 JITTER = 1e-3
 """How far, in spacings, a coordinate may be from its place without a word (float32 coordinates are off by 1e-4)."""
 _UNSTEADY = 0.3
 """How far, in spacings, a stamp may be from its place where no frame is lost or doubled: cameras stamp unsteadily."""
-_LENGTHS = {
+LENGTHS = {
     **dict.fromkeys(("m", "metre", "metres", "meter", "meters"), 1.0),
     **dict.fromkeys(("km", "kilometre", "kilometres", "kilometer", "kilometers"), 1e3),
     **dict.fromkeys(("cm", "centimetre", "centimetres", "centimeter", "centimeters"), 1e-2),
     **dict.fromkeys(("mm", "millimetre", "millimetres", "millimeter", "millimeters"), 1e-3),
 }
+"""The units of length that files state, in metres."""
 _TIMES = {
     **dict.fromkeys(("s", "sec", "secs", "second", "seconds"), 1.0),
     **dict.fromkeys(("ms", "msec", "millisecond", "milliseconds"), 1e-3),
@@ -65,7 +66,7 @@ def stated_units(raw: Mapping[str, Any]) -> dict[str, str]:
 
 def metric_factors(units: Mapping[str, str]) -> dict[str, float] | None:
     """What x, y and t are to be multiplied by to be in metres and seconds, None if not all of their units are known."""
-    known = {"x": _LENGTHS, "y": _LENGTHS, "t": _TIMES}
+    known = {"x": LENGTHS, "y": LENGTHS, "t": _TIMES}
     if not all(units[name] in known[name] for name in "xyt"):
         return None
     return {name: known[name][units[name]] for name in "xyt"}

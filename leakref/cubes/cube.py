@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from leakref._base import FloatArray, vector
-from leakref.cubes.asked import Assumed
+from leakref.cubes.asked import Assumed, in_words
+from leakref.dispersion import Water
 from leakref.grid import Grid
 from leakref.sea import Components
 
@@ -26,13 +28,15 @@ class Cube:
     file has it. `notes` say what was done to the samples on the way.
 
     - `surface`: (nx, ny, nt), float64, or the type in the file if it is memory-mapped.
-    - `gravity`: in the same units of length and time as the grid.
+    - `gravity`, `depth` (infinite in deep water) and `surface_tension` over density: in the units of length and time
+      of the grid.
     - `peak_wavenumber`: rad per length, None if the file does not say.
-    - `depth`, `surface_tension` (over density): of the water, in the same units; deep and none unless they are given.
+    - `lost_frames`: how many seem to be lost, by how the waves move on, though the file does not say so.
     - `components`, `current`: None without a truth; the current is along x and y, going to.
     - `assumed`: what was taken for granted when the file was read, None for a cube that comes from no file.
 
-    A current that is not two finite numbers is refused with a LeakrefError.
+    A current that is not two finite numbers is refused with a LeakrefError, as are a gravity, depth or tension that are
+    none.
     """
 
     surface: Any
@@ -46,7 +50,19 @@ class Cube:
     assumed: Assumed | None = None
     depth: float = np.inf
     surface_tension: float = 0.0
+    lost_frames: int = 0
 
     def __post_init__(self) -> None:
         if self.current is not None:
             vector("Cube", current=self.current)
+        _ = self.water
+
+    @cached_property
+    def water(self) -> Water:
+        """The law of dispersion in which its waves are looked for."""
+        return Water(self.gravity, self.depth, self.surface_tension)
+
+    @property
+    def water_words(self) -> str:
+        """Its depth and surface tension, for lines and titles."""
+        return in_words(self.depth, self.surface_tension, self.units)

@@ -64,7 +64,7 @@ def extraction_figure(
             ax.set_xlim(k.min() * 0.95, k.max() * 1.05)
         ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2)
     axes[0, 0].set_ylabel(f"Doppler shift velocity ({units[1]})")
-    drawing.suptitle(title)
+    drawing.suptitle(fill(title, 90))
     return drawing
 
 
@@ -116,5 +116,5 @@ def screening_figure(
     for ax in (left, right):
         ax.set_xlabel(f"wavenumber ({units[0]})")
         ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2)  # below: points may be anywhere
-    drawing.suptitle(title)
+    drawing.suptitle(fill(title, 90))
     return drawing

@@ -28,7 +28,8 @@ Listing = dict[str, tuple[tuple[int, ...], str]]
 """What a file holds: of each variable its shape and the kind of its numbers, or what it is instead."""
 WAVES = ("kx", "ky", "omega", "amplitude", "phase")
 """The arrays that describe the waves of a cube with a truth, (n,) each."""
-KNOWN = ("eta", "x", "y", "t", "gravity", *WAVES, "current", "peak_wavenumber", "units", "spacing", "dx", "dy", "dt")
+KNOWN = ("eta", "x", "y", "t", "gravity", "depth", "surface_tension", *WAVES, "current", "peak_wavenumber", "units",
+         "spacing", "dx", "dy", "dt")  # fmt: skip
 """The variables that are looked for in a cube; others are never unpacked."""
 
 

@@ -1,7 +1,8 @@
 """The variables of HDF5 files: MATLAB 7.3 by h5py, NetCDF and zarr by xarray.
 
 Large samples are not read but deferred. In MATLAB's files the axes are stored the other way round and structures are
-groups: both are seen as MATLAB shows them, a field as STRUCTURE.FIELD.
+groups: both are seen as MATLAB shows them, a field as STRUCTURE.FIELD, and in an array of structures as
+STRUCTURE(3).FIELD.
 """
 
 from __future__ import annotations
@@ -17,10 +18,11 @@ from leakref._base import LeakrefError, installed_with
 from leakref.cubes.deferred import BLOCK, IN_MEMORY, Deferred
 from leakref.cubes.suspicion import claim, refuse
 
-__all__ = ["is_zarr", "list_mat", "list_netcdf", "netcdf_library", "read_mat", "read_netcdf"]
+__all__ = ["ATTRIBUTES", "is_zarr", "list_mat", "list_netcdf", "netcdf_library", "read_mat", "read_netcdf"]
 
 Listing = dict[str, tuple[tuple[int, ...], str]]
-_COORDINATES = ("lat", "latitude", "lon", "longitude", "time", "x", "y", "t")
+ATTRIBUTES = ("units", "gravity", "depth", "surface_tension")
+"""What a NetCDF file may say in an attribute instead of a variable."""
 
 
 def netcdf_library() -> Any:
@@ -92,7 +94,7 @@ def read_netcdf(path: Path, stream: BinaryIO | None, names: Sequence[str], most:
             if data[name].ndim == 1:
                 about = data[name].attrs
                 found[f"axis of {name}"] = str(about.get("axis", "") or _standard(about.get("standard_name", "")))
-        found |= {name: data.attrs[name] for name in ("units", "gravity") if name in data.attrs and name not in found}
+        found |= {name: data.attrs[name] for name in ATTRIBUTES if name in data.attrs and name not in found}
     return found
 
 
@@ -174,10 +176,31 @@ def _mat_datasets(path: Path) -> Iterator[tuple[str, Any]]:
 
         def visit(name: str, held: Any) -> None:
             if isinstance(held, h5py.Dataset) and not name.startswith("#"):
-                found.append((name.replace("/", "."), held))
+                found.extend(_unfolded(file, name.replace("/", "."), held))
 
         file.visititems(visit)
         yield from found
+
+
+def _unfolded(file: Any, name: str, held: Any) -> Iterator[tuple[str, Any]]:
+    """What a dataset stands for: itself, or for the field of an array of structures, where it is references, each of
+    them, numbered from 1 as in MATLAB. References to cells stay what they are.
+    """
+    structure, _, field = name.rpartition(".")
+    if held.dtype.kind != "O" or "MATLAB_class" in held.attrs or not structure:
+        yield name, held
+        return
+    for n, reference in enumerate(held[()].ravel(), 1):  # stored the other way round, so that rows are MATLAB's columns
+        yield from _within(file, f"{structure}({n}).{field}", file[reference])
+
+
+def _within(file: Any, name: str, held: Any) -> Iterator[tuple[str, Any]]:
+    """A dataset, or all that is in a group, which is a structure."""
+    if not hasattr(held, "keys"):
+        yield from _unfolded(file, name, held)
+        return
+    for inner in held:
+        yield from _within(file, f"{name}.{inner}", held[inner])
 
 
 def list_mat(path: Path, stream: BinaryIO | None = None) -> Listing:

@@ -23,7 +23,9 @@ __all__ = ["list_mat", "read_mat"]
 
 
 def read_mat(path: Path, stream: BinaryIO, names: Sequence[str], most: int | None) -> dict[str, Any]:
-    """The variables `names` of a mat file, v5 to v7; a name with a dot in it is the field of a structure."""
+    """The variables `names` of a mat file, v5 to v7; a name with a dot in it is the field of a structure, and one as
+    FILM(3).IMG that of the third in an array of them.
+    """
     content, order = _content(stream, most)
     found: dict[str, Any] = {}
     for kind, element in _elements(path, content, order):
@@ -40,7 +42,8 @@ def read_mat(path: Path, stream: BinaryIO, names: Sequence[str], most: int | Non
             ((kind, element),) = _elements(path, unpacked, order)
         if kind == _MATRIX:
             found |= _mat_variable(path, element, order, names, most)
-    for top in () if most is not None else sorted({name.partition(".")[0] for name in names if "." in name}):
+    tops = {name.partition(".")[0].partition("(")[0] for name in names if "." in name}
+    for top in () if most is not None else sorted(tops):
         fields = _structure(path, top)
         found |= {name: fields[name] for name in names if name in fields}
     return found
@@ -83,10 +86,13 @@ def _structure(path: Path, name: str) -> dict[str, Any]:
 
 
 def _fields(name: str, value: Any) -> Iterator[tuple[str, Any]]:
-    """What is in a structure, as deep as it goes. Arrays of structures are left alone: no field has one value."""
+    """What is in a structure, as deep as it goes. Those in an array are numbered from 1, as in MATLAB."""
+    if isinstance(value, np.ndarray) and value.dtype == object:
+        for n, one in enumerate(value.ravel(order="F"), 1):
+            yield from _fields(f"{name}({n})", one)
     for field in getattr(value, "_fieldnames", ()):
         inner = getattr(value, field)
-        if hasattr(inner, "_fieldnames"):
+        if hasattr(inner, "_fieldnames") or (isinstance(inner, np.ndarray) and inner.dtype == object):
             yield from _fields(f"{name}.{field}", inner)
         else:
             yield f"{name}.{field}", np.asarray(inner)

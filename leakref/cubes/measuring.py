@@ -16,7 +16,6 @@ from leakref.chain import analyse
 from leakref.cubes import blocks, causes, contrast, deferred, screen
 from leakref.cubes.cube import Cube
 from leakref.cubes.wavenumbers import default_wavenumbers
-from leakref.dispersion import Water
 from leakref.grid import Grid
 from leakref.shell import HALF_WIDTH, Extraction
 from leakref.spectrum import Spectrum, fourier
@@ -101,13 +100,14 @@ def measure(cube: Cube, request: Request) -> Measured:
     if k is None:
         k, said = _by_default(smooth, with_signal, reach)
         notes.append(said)
-    found = analyse(main, k, gravity=cube.gravity, method=request.method)
+    found = analyse(main, k, water=cube.water, method=request.method)
     contrasts, shell = _shell(level, smooth, found, with_signal, request, in_blocks)
+    notes += _depth_words(cube, shell)
     screened = None
     if request.screening:
         pair = main if request.window == "box" else spectrum("box"), smooth
         rotated = None if request.angle is None else _turned(level, removed, k, taper, request, notes)
-        screened = screen.screen(*pair, k, gravity=cube.gravity, method=request.method, rotated=rotated)
+        screened = screen.screen(*pair, k, water=cube.water, method=request.method, rotated=rotated)
     return Measured(found, screened, notes, trend, contrasts, shell)
 
 
@@ -166,7 +166,7 @@ def _shell(
     """The contrast at each wavenumber, and whether the cube shows a shell: in its tapered spectrum, whatever the window
     of the velocities is, and in the whole band with signal, whatever wavenumbers were asked for.
     """
-    water = Water(cube.gravity)
+    water = cube.water
 
     def at(k: FloatArray) -> list[float | None]:
         own = found
@@ -180,17 +180,28 @@ def _shell(
     some = with_signal[:: max(1, -(-with_signal.size // _LOOKED_AT))]
     there = here if request.wavenumbers is None else at(some) if some.size else []
     band = contrast.band(smooth, with_signal, water)
-    return here, causes.judge(band, there, cube, None if in_blocks else _other_order(cube, water))
+    return here, causes.judge(band, there, cube, None if in_blocks else _other_order(cube))
 
 
-def _other_order(cube: Cube, water: Water) -> Callable[[str], contrast.Band | None]:
+def _depth_words(cube: Cube, shell: causes.Verdict | None) -> list[str]:
+    """Which depths the cube itself leaves open, where its shell is where it should be."""
+    if shell is None or not shell.holds or shell.depths is None:
+        return []
+    low, high = shell.depths
+    unit = " m" * (cube.units == "si")
+    taken = "deep water was taken" if cube.depth == np.inf else f"{cube.depth:.4g}{unit} was taken"
+    alike = f"from {low:.3g}{unit} up" if high == np.inf else f"from {low:.3g} to {high:.3g}{unit}"
+    return [f"depth: {taken}, and by these waves alone any {alike} fits as well"]
+
+
+def _other_order(cube: Cube) -> Callable[[str], contrast.Band | None]:
     """The band of a cube with its axes in another order, the steps along x, y and t being kept."""
 
     def transposed(order: str) -> contrast.Band | None:
         eta = np.asarray(cube.surface).transpose(["xyt".index(name) for name in order])
         spectrum = fourier(eta, Grid(eta.shape, cube.grid.spacing), "hann")
         k = _with_signal(spectrum, None)
-        return None if k is None or not k.size else contrast.band(spectrum, k, water)
+        return None if k is None or not k.size else contrast.band(spectrum, k, cube.water)
 
     return transposed
 
@@ -208,4 +219,4 @@ def _turned(
         f"{smaller.shape[1]} samples: not lossless, and of coarser resolution"
     )
     spectra = [fourier(turned, smaller, name) for name in ("box", taper)]
-    return screen.turn(spectra, k, angle, gravity=cube.gravity, method=request.method)
+    return screen.turn(spectra, k, angle, water=cube.water, method=request.method)

@@ -1,7 +1,8 @@
 """Frames that are lost or stand there twice, and holes in the samples: named with their numbers, mended on request.
 
-A lost frame is told by its stamp, a doubled one by its stamp or because it is the frame before to the bit. Nothing is
-mended that was not asked for, but for a doubled frame with a doubled stamp, which says the same thing twice.
+A lost frame is told by its stamp, or by how the surface moves on (`gaps`), a doubled one by its stamp or because it is
+the frame before to the bit. Nothing is mended that was not asked for, but for a doubled frame with a doubled stamp,
+which says the same thing twice.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from leakref.cubes.asked import Asked
 from leakref.cubes.blocks import release
 from leakref.cubes.coordinates import Steps
 from leakref.cubes.deferred import IN_MEMORY
+from leakref.cubes.gaps import seemingly_lost
 from leakref.cubes.suspicion import refuse
 
 __all__ = ["Filled", "mapped", "mended"]
@@ -30,21 +32,56 @@ def _numbers(frames: Sequence[int]) -> str:
     return shown + (f" and {len(frames) - _NAMED} more" if len(frames) > _NAMED else "")
 
 
-def mended(path: Path, eta: Any, time: Steps, asked: Asked, notes: list[str]) -> tuple[Any, float]:
+def mended(path: Path, eta: Any, time: Steps, asked: Asked, notes: list[str]) -> tuple[Any, float, int]:
     """The samples (nx, ny, nt) in memory as finite float64, whole and evenly spaced in time, and the step in time.
 
-    What was done is added to `notes`. Refused, with a remedy that works, are holes and lost frames beyond the share
-    that `asked` allows, and frames that differ but carry the same time.
+    Third is how many frames seem to be lost without a word in the file, and were not put in. What was done is added to
+    `notes`. Refused, with a remedy that works, are holes and lost frames beyond the share that `asked` allows, and
+    frames that differ but carry the same time.
     """
     eta = np.asarray(eta)
     eta, time = _without_doubled(path, eta, time, asked, notes)
     values = _filled(path, np.asarray(eta, dtype=np.float64), asked, notes)
     if time.lost:
-        values = _interpolated(path, values, time, asked, notes)
-    return values, time.step
+        return _interpolated(path, values, time, asked, notes), time.step, 0
+    gone = seemingly_lost(values)
+    if gone and len(gone) <= asked.holes * (values.shape[2] + len(gone)):
+        notes.append(_seeming(gone))
+        seen = Steps(time.step, lost=tuple((at, 1) for at in gone))
+        return _interpolated(path, values, seen, asked, notes), time.step, 0
+    return values, time.step, _warned(gone, values.shape[2], time.step, notes)
 
 
-def mapped(path: Path, eta: Any, time: Steps, asked: Asked, notes: list[str]) -> tuple[Any, float]:
+def _seeming(gone: Sequence[int]) -> str:
+    """That frames seem to be lost, and why it seems so."""
+    many = len(gone) > 1
+    return (
+        f"{len(gone)} frame{'s seem' if many else ' seems'} to be lost, behind frame{'s' * many} {_numbers(gone)} "
+        "(counted from 0): the waves move on there by two steps"
+    )
+
+
+def _warned(gone: Sequence[int], nt: int, step: float, notes: list[str]) -> int:
+    """Say which frames seem to be lost, and what helps; how many they are."""
+    if gone:
+        share = np.ceil(1000 * len(gone) / (nt + len(gone))) / 1000
+        put_in = f"--fill-holes {share:g} puts in frames between their neighbours, "
+        first, end = _longest([-1, *gone, nt - 1])
+        stretch = f"--frames {first}:{end} takes the longest stretch without a loss, " * (4 * (end - first) >= nt)
+        notes.append(
+            f"WARNING: {_seeming(gone)}; {put_in}{stretch}--spacing dx,dy,{step * (nt + len(gone)) / nt:.6g}, "
+            "if that is not allowed for yet, takes all as equally spaced"
+        )
+    return len(gone)
+
+
+def _longest(edges: Sequence[int]) -> tuple[int, int]:
+    """The longest stretch between `edges`, frames behind which there is a gap: its first frame, and the end."""
+    length, end = max((b - a, b) for a, b in pairwise(edges))
+    return end - length + 1, end + 1
+
+
+def mapped(path: Path, eta: Any, time: Steps, asked: Asked, notes: list[str]) -> tuple[Any, float, int]:
     """As `mended`, of samples that stay on the disk: those of a large file are mended where they are read, a small one
     is read if there is anything to mend.
     """
@@ -52,9 +89,11 @@ def mapped(path: Path, eta: Any, time: Steps, asked: Asked, notes: list[str]) ->
         return mended(path, eta, time, asked, notes)
     if time.lost or time.doubled:
         _refuse_lost(path, time, eta.shape[2], "")
+    gone = seemingly_lost(eta) if 8 * eta.size <= IN_MEMORY else []  # a lattice of pixels may be on every page there is
+    lost = _warned(gone, eta.shape[2], time.step, notes)
     if asked.holes and eta.dtype.kind == "f":
-        return _mapped_filled(path, eta, asked, notes), time.step
-    return eta, time.step
+        return _mapped_filled(path, eta, asked, notes), time.step, lost
+    return eta, time.step, lost
 
 
 def _without_doubled(path: Path, eta: Any, time: Steps, asked: Asked, notes: list[str]) -> tuple[Any, Steps]:
@@ -98,14 +137,13 @@ def _refuse_lost(path: Path, time: Steps, nt: int, allowed: str) -> None:
     """Name the lost frames, and what works: the longest stretch without a loss, or filling, or taking them as even."""
     behind = [at for at, _ in time.lost]
     count = sum(n for _, n in time.lost)
-    edges = [-1, *behind, nt - 1]
-    length, end = max((b - a, b) for a, b in pairwise(edges))
+    first, end = _longest([-1, *behind, nt - 1])
     doubled = f" and frames {_numbers(time.doubled)} twice" if time.doubled else ""
     refuse(
         path,
         f"has lost {count} frame{'s' * (count > 1)}, behind frame{'s' * (len(behind) > 1)} {_numbers(behind)}{doubled} "
         f"(counted from 0, by the times)",
-        f"pass --frames {end - length + 1}:{end + 1}, the longest stretch without a loss"
+        f"pass --frames {first}:{end}, the longest stretch without a loss"
         f"{allowed}, or --spacing dx,dy,{time.step:.7g} to take them as equally spaced all the same",
     )
 

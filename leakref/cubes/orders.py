@@ -6,6 +6,7 @@ for. Each answer comes with its source, in words.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from itertools import permutations
 from pathlib import Path
@@ -38,15 +39,21 @@ _SPELLED = {
     "y": ("y", "Y", "yc", "ys", "y_m", "row", "rows", "north", "northing", "gridY", "lat", "latitude"),
     "t": ("t", "T", "time", "Time", "times", "tt", "timestamp", "timestamps", "frame", "frames"),
     "gravity": ("gravity", "g"),
+    "depth": ("depth", "water_depth"),
     "dt": ("dt", "Dt", "delta_t"),
 }
 """Names under which the variables of a cube are found; the first is the name here."""
 _ROWS = ("row", "rows")
+_NUMBERED = re.compile(r"\(\d+\)")  # one of an array of structures
 
 
 def _listed(contents: Listing) -> str:
-    """What a file holds, for messages: names and shapes, at most a dozen."""
-    words = [f"{name} {' x '.join(map(str, shape)) or 'scalar'} {kind}" for name, (shape, kind) in contents.items()]
+    """What a file holds, for messages: names and shapes, at most a dozen; alike ones of an array of structures once."""
+    alike: dict[tuple[str, str], list[str]] = {}
+    for name, (shape, kind) in contents.items():
+        what = f"{' x '.join(map(str, shape)) or 'scalar'} {kind}"
+        alike.setdefault((_NUMBERED.sub("(...)", name), what), []).append(name)
+    words = [f"{names[0]}{f' to {names[-1]}' * (len(names) > 1)} {what}" for (_, what), names in alike.items()]
     return ", ".join(words[:12]) + (f" and {len(words) - 12} more" if len(words) > 12 else "") or "nothing"
 
 
@@ -69,9 +76,13 @@ def chosen_variable(path: Path, contents: Listing, asked: Asked) -> tuple[str, s
     what = (
         f"holds {len(cubes)} variables with three axes" if cubes else "holds no variable eta and none with three axes"
     )
-    refuse(
-        path, f"{what}: it holds {_listed(contents)}", "store the surface as eta[x, y, t], or name it with --variable"
-    )
+    remedy = "store the surface as eta[x, y, t], or name it with --variable"
+    numbered = [name for name in contents if _NUMBERED.search(name)]
+    if numbered and cubes:
+        remedy += f", as in --variable '{cubes[0]}'"
+    elif numbered:
+        remedy += f"; frames in an array of structures are stacked by eta = cat(3, {_NUMBERED.sub('', numbered[0])})"
+    refuse(path, f"{what}: it holds {_listed(contents)}", remedy)
 
 
 def renamed(contents: Listing, variable: str) -> dict[str, str]:

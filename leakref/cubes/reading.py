@@ -24,13 +24,13 @@ from leakref.cubes.formats import WAVES, contents, raw_variables
 from leakref.cubes.images import frames
 from leakref.cubes.orders import chosen_variable, order_of, renamed, rows_named
 from leakref.cubes.suspicion import refuse
+from leakref.cubes.waters import EARTH, water_of
 from leakref.grid import Grid
 from leakref.sea import Components
 
 __all__ = ["read"]
 
 _ABOUT = "pass --gravity: 9.81 for metres and seconds, 1 for scaled units"
-_EARTH = (9.7, 9.9)  # m/s2
 
 
 def read(path: Path, **asked: Any) -> Cube:
@@ -78,8 +78,10 @@ def _raw(path: Path, asked: Asked) -> dict[str, Any]:
 def _by_our_names(raw: dict[str, Any], names: Mapping[str, str]) -> dict[str, Any]:
     """What was read, by the names here; `axis` tells of each dimension what its attributes say it is."""
     found = {name: raw[word] for name, word in names.items() if word in raw}
-    found |= {name: raw[name] for name in ("units", "gravity") if name in raw and name not in found}
-    found |= {f"units of {name}": raw.get(f"units of {names[name]}", "") for name in "xyt" if name in names}
+    found |= {name: raw[name] for name in hdf.ATTRIBUTES if name in raw and name not in found}
+    with_units = [name for name in (*"xyt", "depth", "surface_tension") if name in names]
+    found |= {f"units of {name}": raw.get(f"units of {names[name]}", "") for name in with_units}
+    found["coordinate depth"] = "depth" in names and raw.get(f"dims of {names['depth']}") == (names["depth"],)
     dims = raw.get(f"dims of {names['eta']}")
     if dims:
         found["dims"] = dims
@@ -102,21 +104,24 @@ def _cube(path: Path, raw: dict[str, Any], asked: Asked) -> Cube:
         notes.append(f"{eta.dtype} samples were converted to float64")
     found = _steps(path, raw, eta.shape, place, factors, asked, notes)
     g, of_gravity = _gravity(path, raw, units, factors, asked)
+    water = water_of(path, raw, units, factors, g, asked, notes)
     rows, of_rows = _rows(path, raw, found["y"], eta, asked, notes)
     eta = eta[:: -1 if found["x"].descends else 1, :: -1 if rows == "down" else 1]
     if found["x"].descends:
         notes.append("x falls with the index: the columns were turned round")
     if not isinstance(eta, np.memmap):
-        eta, step = mending.mended(path, eta, found["t"], asked, notes)
+        eta, step, lost = mending.mended(path, eta, found["t"], asked, notes)
     else:
-        eta, step = mending.mapped(path, eta, found["t"], asked, notes)
+        eta, step, lost = mending.mapped(path, eta, found["t"], asked, notes)
     spacing = (found["x"].step, found["y"].step, step)
     grid = Grid(eta.shape, spacing)
     sources = {"axes": of_order, "y": of_rows, "gravity": of_gravity, "step": raw.get("stepped", "the file")}
-    assumed = Assumed(raw["variable"], order, rows, units, g, spacing, sources=sources)
+    sources |= water.sources
+    still = (water.depth, water.surface_tension)
+    assumed = Assumed(raw["variable"], order, rows, units, g, spacing, *still, sources=sources)
     components, current = _truth(raw, rows == "down" and asked.y == "down" and not found["y"].descends)
     peak = _number(path, "peak_wavenumber", raw["peak_wavenumber"]) if "peak_wavenumber" in raw else None
-    return Cube(eta, grid, g, units, components, current, peak, tuple(notes), assumed)
+    return Cube(eta, grid, g, units, components, current, peak, tuple(notes), assumed, *still, lost)
 
 
 def _order(path: Path, raw: Mapping[str, Any], asked: Asked) -> tuple[str, str]:
@@ -234,7 +239,7 @@ def _gravity(
             f"has mixed units: it says {'SI' if units == 'si' else 'scaled'}, but gravity = {g:g}",
             "correct its units, or say which with --gravity",
         )
-    if any(factor != 1 for factor in factors.values()) and not _EARTH[0] < g < _EARTH[1]:
+    if any(factor != 1 for factor in factors.values()) and not EARTH[0] < g < EARTH[1]:
         refuse(path, f"was converted to metres and seconds, but says gravity = {g:g}", "pass --gravity 9.81")
     return g, "the file"
 

@@ -18,11 +18,12 @@ from leakref._base import FloatArray, LeakrefError
 from leakref._output import console, dump, write_whole
 from leakref._tables import Table
 from leakref.cubes import files, screen
+from leakref.cubes.causes import Verdict
 from leakref.cubes.cube import UNITS, Cube
 from leakref.cubes.hdf import netcdf_library
 from leakref.shell import Extraction
 
-__all__ = ["LOOKS", "PER_LENGTH", "rows", "screen_record", "summary", "table", "write"]
+__all__ = ["LOOKS", "PER_LENGTH", "rows", "screen_record", "shell_record", "summary", "table", "write"]
 
 PER_LENGTH = {"si": "rad/m", "scaled": "k0", "given": "rad per length"}
 """The unit of a wavenumber, by the units of a cube."""
@@ -63,6 +64,13 @@ def screen_record(s: screen.Screening | None, window: str) -> dict[str, Any] | N
     }
 
 
+def shell_record(shell: Verdict | None) -> dict[str, Any] | None:
+    """Whether there is a dispersion shell as it stands in the JSON; a depth without end is null there."""
+    if shell is None:
+        return None
+    return {"holds": shell.holds, "share": shell.share, "words": shell.words, "depths": shell.depths}
+
+
 LOOKS = {
     screen.NO_CHANGE: ("green", "the taper moves the velocity by less than a tenth"),
     screen.UNRESOLVED: (
@@ -97,7 +105,8 @@ def table(
     verdict.
     """
     result = Table(
-        title=f"{file.name}: Doppler shift velocities, window {window}, {found.method}, in {UNITS[cube.units]}"
+        title=f"{file.name}: Doppler shift velocities, window {window}, {found.method}, {cube.water_words}, in "
+        f"{UNITS[cube.units]}"
     )
     for name in (f"k ({PER_LENGTH[cube.units]})", "cx", "cy", "domega / k", "cg dk / k"):
         result.add_column(name, justify="right")
@@ -156,12 +165,20 @@ def write(
     write_whole(out / "extract.csv", comma_separated)
     units = (PER_LENGTH[cube.units], UNITS[cube.units])
     name = Path(record["file"]).name
-    title = f"{name}: {record['method']}, window {record['window']}"
+    title = f"{name}: {record['method']}, window {record['window']}, {cube.water_words}"
     if record["shell_band"] is not None and not record["shell_band"]["holds"]:
         title += " (no dispersion shell where it should be: these are no currents)"
     save(extraction_figure(found, flags, resolutions, units, title, cube.current), out / "extract")
     if screened is not None:
-        save(screening_figure(screened, resolutions, units, f"{name}: is leakage at work?"), out / "screen")
+        save(
+            screening_figure(
+                screened,
+                resolutions,
+                units,
+                f"{name}, {cube.water_words}: is leakage at work?",
+            ),
+            out / "screen",
+        )
     try:
         library = netcdf_library()
     except LeakrefError as error:
@@ -179,6 +196,8 @@ def write(
             "Conventions": "CF-1.10",
             "units": cube.units,
             "gravity": cube.gravity,
+            "depth": cube.depth,
+            "surface_tension": cube.surface_tension,
             "window": record["window"],
             "method": record["method"],
             "trend_removed": record["removed"]["trend"],

@@ -21,7 +21,7 @@ from scipy import ndimage
 
 from leakref._base import FloatArray, LeakrefError, finite
 from leakref.chain import analyse
-from leakref.dispersion import Water, velocity_resolutions
+from leakref.dispersion import Water, law, velocity_resolutions
 from leakref.grid import Grid
 from leakref.shell import EDGE_MARGIN, HALF_WIDTH, Extraction, Note
 from leakref.spectrum import Spectrum
@@ -155,7 +155,8 @@ def screen(
     tapered: Spectrum,
     wavenumbers: FloatArray,
     *,
-    gravity: float,
+    gravity: float | None = None,
+    water: Water | None = None,
     method: str = "nsp",
     rotated: Turned | None = None,
 ) -> Screening:
@@ -168,14 +169,14 @@ def screen(
     smaller, rotated cube. Of the others: below resolution, if the taper moves the velocity by `TELLING` of it or more,
     so that it may be off by as much without anybody knowing; no change, if by less. Raises LeakrefError.
 
-    Both spectra are of the same cube; `wavenumbers` (n,) in rad per length, `gravity` in the units of the cube.
+    Both spectra are of the same cube; `wavenumbers` (n,) in rad per length, `water` (or the `gravity` of deep water) in
+    the units of the cube.
     """
-    plain, smooth = (
-        analyse(s, wavenumbers, gravity=gravity, method=method, search=False) for s in (untapered, tapered)
-    )
+    water = law("screen", gravity, water)
+    plain, smooth = (analyse(s, wavenumbers, water=water, method=method, search=False) for s in (untapered, tapered))
     grid = tapered.grid
     resolution = np.maximum(
-        *velocity_resolutions(wavenumbers, grid.wavenumber_resolution, grid.frequency_resolution, Water(gravity))
+        *velocity_resolutions(wavenumbers, grid.wavenumber_resolution, grid.frequency_resolution, water)
     )
     off = np.hypot(*(plain.velocities - smooth.velocities).T)
     leaked = leaked_share(untapered, tapered, wavenumbers)
@@ -218,14 +219,21 @@ def rotate(surface: Any, grid: Grid, angle: float) -> tuple[FloatArray, Grid]:
 
 
 def turn(
-    spectra: Sequence[Spectrum], wavenumbers: FloatArray, angle: float, *, gravity: float, method: str = "nsp"
+    spectra: Sequence[Spectrum],
+    wavenumbers: FloatArray,
+    angle: float,
+    *,
+    gravity: float | None = None,
+    water: Water | None = None,
+    method: str = "nsp",
 ) -> Turned:
     """The velocities from the (untapered, tapered) spectra of a cube rotated by `angle`, turned back.
 
     `wavenumbers` (n,) are those of the cube before; a shell is measured only if it lies whole within the square's own
-    wavenumbers, and clear of zero. Velocities come back in the axes of the unrotated cube.
+    wavenumbers, and clear of zero. Velocities come back in the axes of the unrotated cube. `water` or `gravity` are as
+    in `screen`.
     """
-    grid = spectra[0].grid
+    water, grid = law("turn", gravity, water), spectra[0].grid
     dk = grid.wavenumber_resolution
     whole = (wavenumbers >= 2 * HALF_WIDTH * dk * (1 - EDGE_MARGIN)) & (
         wavenumbers + HALF_WIDTH * dk < min(grid.nyquist[:2]) * (1 - EDGE_MARGIN)
@@ -234,7 +242,7 @@ def turn(
     found = np.full((2, wavenumbers.size, 2), np.nan)
     if whole.any():
         for n, spectrum in enumerate(spectra):
-            measured = analyse(spectrum, wavenumbers[whole], gravity=gravity, method=method, search=False).velocities
+            measured = analyse(spectrum, wavenumbers[whole], water=water, method=method, search=False).velocities
             found[n, whole] = measured @ np.array([[c, s], [-s, c]])
-    resolution = np.maximum(*velocity_resolutions(wavenumbers, dk, grid.frequency_resolution, Water(gravity)))
+    resolution = np.maximum(*velocity_resolutions(wavenumbers, dk, grid.frequency_resolution, water))
     return Turned(angle, found[0], found[1], resolution, grid.shape[0])

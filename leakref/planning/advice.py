@@ -11,7 +11,8 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from leakref.planning.plan import Campaign, Expected, Plan
+from leakref.dispersion import Water
+from leakref.planning.plan import GRAVITY, Campaign, Expected, Plan
 
 __all__ = ["SHARE", "advice", "ranges"]
 
@@ -38,7 +39,7 @@ def advice(plan: Plan) -> list[str]:
     """Sentences: taper or not, which method, which wavelengths to trust, whether to enlarge the area or the video.
 
     The list is in the order of importance: frame rate if it aliases, window, method, wavelengths to trust, area against
-    duration.
+    duration; and of water that is not deep, what it would cost to take it for deep.
     """
     best = plan.best
     said = []
@@ -53,6 +54,7 @@ def advice(plan: Plan) -> list[str]:
         _against("Extract by NSP", best, plan.ways["hann", "ls"], "least squares"),
         *_trust(plan.campaign, best),
         _enlarge(plan),
+        *_water(plan.campaign),
     ]
 
 
@@ -111,6 +113,22 @@ def _trust(campaign: Campaign, best: Expected) -> list[str]:
             f"be off by {left[most]:.2g} m/s at {best.wavelengths[most]:.3g} m."
         )
     return said
+
+
+def _water(campaign: Campaign) -> list[str]:
+    """What an extraction would err by that takes this water for deep, at the peak; nothing of water that is deep."""
+    if campaign.depth == np.inf and not campaign.surface_tension:
+        return []
+    k = campaign.scales.wavenumber
+    off = campaign.phase_velocity - float(Water(GRAVITY).phase_velocity(k))
+    what = " and ".join(
+        ["the depth"] * (campaign.depth < np.inf) + ["the surface tension"] * bool(campaign.surface_tension)
+    )
+    where = f"waves of {campaign.peak_wavelength:.3g} m travel at {campaign.phase_velocity:.3g} m/s"
+    return [
+        f"Give {what} to the extraction: {where} here, and one for deep water without tension would take the "
+        f"difference, {abs(off):.2g} m/s, for a current {'with' if off > 0 else 'against'} them."
+    ]
 
 
 def _enlarge(plan: Plan) -> str:

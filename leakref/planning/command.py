@@ -22,7 +22,7 @@ from leakref._tables import Table
 from leakref.planning.advice import advice
 from leakref.planning.flight import default_realizations, work
 from leakref.planning.plan import GRAVITY, Campaign, Expected, Plan, expected, plan, swept
-from leakref.planning.quantities import number, quantity
+from leakref.planning.quantities import CLEAN_WATER, DEEP_WATER, depth_words, number, quantity, tension_words
 
 __all__ = ["PARAMETERS", "parse_sweep", "run"]
 
@@ -37,8 +37,11 @@ PARAMETERS = {
     "current-direction": ("current_direction", "deg"),
     "pixel": ("pixel", "m"),
     "frame-rate": ("frame_rate", "Hz"),
+    "depth": ("depth", "m"),
+    "surface-tension": ("surface_tension", "m^3/s^2"),
 }
 """What can be swept over, as on the command line: the Campaign's name for it, and its unit."""
+_WORDS = {("depth", "deep"): np.inf, ("surface-tension", "water"): CLEAN_WATER}
 _MOST_VALUES = 40
 _POOL = 60e6  # bins in all realisations together from which starting processes pays
 _SHOWN = (1.5, 1.0, 0.5)  # wavelengths in a sweep's table, in those of the peak
@@ -51,9 +54,12 @@ _WAYS = {
 
 
 def _value(option: str, text: str) -> float:
-    """An option as a number in its unit, or a plain one if it has none."""
+    """An option as a number in its unit, or a plain one if it has none; or a word that stands for one."""
+    if (option, text.strip().lower()) in _WORDS:
+        return _WORDS[option, text.strip().lower()]
     unit = PARAMETERS[option][1]
-    return quantity("plan", f"--{option}", text, unit) if unit else number("plan", f"--{option}", text)
+    example = "4m" if option == "depth" else None
+    return quantity("plan", f"--{option}", text, unit, example) if unit else number("plan", f"--{option}", text)
 
 
 def _campaign(given: Mapping[str, str | None]) -> Campaign:
@@ -170,6 +176,9 @@ def _record(found: Plan, said: Sequence[str], count: int) -> dict[str, Any]:
         "pixel": [d * scales.length for d in grid.spacing[:2]],
         "frame_rate": 1 / (grid.spacing[2] * scales.time),
         "gravity": GRAVITY,
+        "depth": DEEP_WATER if c.depth == np.inf else c.depth,
+        "surface_tension": c.surface_tension,
+        "phase_velocity": c.phase_velocity,
         "shape": grid.shape,
     }
     levels = [
@@ -243,8 +252,10 @@ def _title(c: Campaign, swept: str = "") -> str:
         "direction": f"going to {c.direction:.4g}°",
         "spread": f"spread {c.spread:.4g}°",
         "gamma": rf"$\gamma$ = {c.peakedness:.3g}",
+        "depth": depth_words(c.depth),
+        "surface-tension": tension_words(c.surface_tension),
     }
-    return ", ".join([*(words for name, words in said.items() if name != swept), current])
+    return ", ".join([*(words for name, words in said.items() if words and name != swept), current])
 
 
 def _write(
@@ -289,8 +300,10 @@ def _show(
     """The table, green where a wavelength can be trusted, the sweep, and the advice."""
     show, best = Console(), found.best
     count = len(best.measured.velocities)
+    words = (depth_words(found.campaign.depth), tension_words(found.campaign.surface_tension))
+    in_water = ", ".join(word for word in words if word)
     table = Table(
-        title="Expected errors |c - U| in m/s: mean ± standard deviation",
+        title=f"Expected errors |c - U| in m/s, {in_water}: mean ± standard deviation",
         title_justify="left",
         caption=f"{count} simulated flights, so that the mean is uncertain by the deviation over "
         f"{np.sqrt(count):.1f}. Green: mean and twice the deviation are within the smaller of the velocity "

@@ -6,6 +6,7 @@ Wavelengths are in metres, velocities in m/s. What is drawn comes from `Expected
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from textwrap import fill
 from typing import Any
 
 import matplotlib as mpl
@@ -97,7 +98,7 @@ def plan_figure(plan: Plan, title: str) -> Figure:
     axes[0, 0].set_ylim(bottom=lowest)
     _wavelength_axis(axes[0, 0])
     drawing.legend(*axes[0, windows.index("hann")].get_legend_handles_labels(), loc="outside lower center", ncols=3)
-    drawing.suptitle(title, fontsize=9)
+    drawing.suptitle(fill(title, 115), fontsize=9)
     return drawing
 
 
@@ -135,5 +136,5 @@ def sweep_figure(label: str, values: Sequence[float], found: Sequence[Ways], tit
         loc="outside right center",
         title=f"{label},\nbands: ± 2\nstandard errors",
     )
-    drawing.suptitle(title, fontsize=9)
+    drawing.suptitle(fill(title, 115), fontsize=9)
     return drawing

@@ -1,8 +1,9 @@
 """What a campaign will measure: the asked-for sea, area and duration simulated, in metres and seconds.
 
 A campaign is turned into a configuration in the paper's scaled units (`Campaign.flight`), realised as often as asked,
-and the statistics of its errors are turned back (`Expected`). The waves are those of the paper's JONSWAP seas on deep
-water with a uniform current, seen without noise. Used by `leakref plan`; `runs` does the computing.
+and the statistics of its errors are turned back (`Expected`). The waves are those of the paper's JONSWAP seas with a
+uniform current, in deep water or any other, seen without noise and extracted in the water that they are in. Used by
+`leakref plan`; `runs` does the computing.
 """
 
 from __future__ import annotations
@@ -17,11 +18,12 @@ import numpy as np
 import numpy.typing as npt
 
 from leakref import runs
-from leakref._base import FloatArray, LeakrefError, finite, integer, positive
-from leakref.dispersion import Scales
+from leakref._base import FloatArray, LeakrefError, finite, integer, number, positive
+from leakref.dispersion import Scales, Water
 from leakref.ensemble import Ensemble
 from leakref.grid import SPACING, TIME_STEP
 from leakref.planning.flight import Flight, default_realizations, work
+from leakref.planning.quantities import depth_fault, tension_fault
 from leakref.shell import HALF_WIDTH
 
 __all__ = [
@@ -53,7 +55,8 @@ class Campaign:
     Raises LeakrefError for what cannot be, or leaves nothing to extract from.
 
     - `duration`: of the video, s; `peak_wavelength`: m; `speed`: of the current, m/s, below the waves' own.
-    - `pixel`: m; `frame_rate`: images a second.
+    - `pixel`: m; `frame_rate`: images a second, by default 14 in what would be a period in deep water.
+    - `depth`: m, infinite in deep water; `surface_tension`: over the density, m3/s2, 7.3e-5 for clean water.
 
     Refused are numbers that are not finite or not positive, a gamma below 1, a spread above 360 degrees, a current as
     fast as the waves, an area or a video of fewer than `FEWEST` wavelengths or periods, one of more than `MOST` bins,
@@ -70,6 +73,8 @@ class Campaign:
     current_direction: float = 90.0
     pixel: float | None = None
     frame_rate: float | None = None
+    depth: float = np.inf
+    surface_tension: float = 0.0
 
     def __post_init__(self) -> None:
         for name in ("direction", "current_direction", "speed"):
@@ -94,17 +99,18 @@ class Campaign:
             )
         if self.spread > 360:
             raise LeakrefError("plan", f"a spread of {self.spread:g} degrees", "give a full width of at most 360deg")
-        if not 0 <= self.speed < self.scales.velocity:
+        _in_water(self.depth, self.surface_tension)
+        if not 0 <= self.speed < self.phase_velocity:
             raise LeakrefError(
                 "plan",
                 f"a current of {self.speed:g} m/s, where waves of {self.peak_wavelength:g} m "
-                f"travel at {self.scales.velocity:.3g} m/s",
+                f"travel at {self.phase_velocity:.3g} m/s",
                 "give a speed from 0 to below that, and its sense by the current's direction",
             )
         self._measurable()
 
     def _measurable(self) -> None:
-        period = self.scales.time * 2 * np.pi
+        period = self.peak_wavelength / self.phase_velocity
         across, long = min(self.field_of_view) / self.peak_wavelength, self.duration / period
         if across < FEWEST:
             raise LeakrefError(
@@ -112,7 +118,7 @@ class Campaign:
                 f"the field of view is {across:.3g} peak wavelengths across",
                 f"take at least {FEWEST:g} ({FEWEST * self.peak_wavelength:.4g} m); the paper has 5 and more",
             )
-        if long < FEWEST:
+        if long < FEWEST * (1 - 1e-9):
             raise LeakrefError(
                 "plan",
                 f"the video is {long:.3g} peak periods of {period:.3g} s long",
@@ -132,7 +138,7 @@ class Campaign:
             raise LeakrefError(
                 "plan", f"pixels of {self.pixel} m do not resolve the waves at the peak", f"take {most:.2g} m or less"
             )
-        if flight.grid.nyquist[2] <= 1 + self.speed / self.scales.velocity:
+        if flight.grid.nyquist[2] <= flight.water.frequency(1.0) + self.speed / self.scales.velocity:
             raise LeakrefError(
                 "plan",
                 f"{self.frame_rate} images a second do not resolve the peak's period of {period:.3g} s",
@@ -141,14 +147,24 @@ class Campaign:
 
     @property
     def scales(self) -> Scales:
-        """From the paper's scaled units to metres and seconds. Deep water, gravity 9.81 m/s2."""
+        """From the paper's scaled units to metres and seconds, those of deep water in any other too (decision D26)."""
         return Scales(2 * np.pi / self.peak_wavelength, GRAVITY)
+
+    @property
+    def water(self) -> Water:
+        """The law of dispersion in metres and seconds, with a gravity of 9.81 m/s2."""
+        return Water(GRAVITY, self.depth, self.surface_tension)
+
+    @property
+    def phase_velocity(self) -> float:
+        """Of waves at the peak in this water, m/s."""
+        return float(self.water.phase_velocity(self.scales.wavenumber))
 
     @cached_property
     def flight(self) -> Flight:
         """The same in scaled units. Lengths in peak wavelengths, times in peak periods, speeds in `c0`."""
         sides = tuple(side / self.peak_wavelength for side in self.field_of_view)
-        period = 2 * np.pi * self.scales.time
+        period, still = 2 * np.pi * self.scales.time, self.water.to_scaled(self.scales)
         pixel = SPACING if self.pixel is None else self.pixel / self.peak_wavelength
         frame = TIME_STEP if self.frame_rate is None else 1 / (self.frame_rate * period)
         return Flight(
@@ -160,6 +176,8 @@ class Campaign:
             self.duration / period,
             self.speed / self.scales.velocity,
             self.current_direction,
+            depth=still.depth,
+            surface_tension=still.surface_tension,
             sides=(sides[0], sides[1]),
             pixel=pixel,
             frame=frame,
@@ -181,6 +199,15 @@ class Campaign:
         fastest = self.flight.water.frequency(k) + k * self.speed / self.scales.velocity
         beyond = k[fastest >= self.flight.grid.nyquist[2]]
         return float(self.peak_wavelength / beyond[0]) if beyond.size else None
+
+
+def _in_water(depth: float, surface_tension: float) -> None:
+    """Refuse what no water has."""
+    number("plan", depth=depth, surface_tension=surface_tension)
+    if fault := depth_fault(depth):
+        raise LeakrefError("plan", f"a depth of {depth:g} m {fault}", "give one such as 4m, or deep")
+    if fault := tension_fault(surface_tension):
+        raise LeakrefError("plan", f"a surface tension of {surface_tension:g} m3/s2 {fault}", "give water, or 0")
 
 
 def swept(campaign: Campaign, name: str, values: Sequence[float]) -> list[Campaign]:
