@@ -229,11 +229,11 @@ class Endless(InProcess):
 
     def __init__(self, asked: Event) -> None:
         super().__init__(reference)
-        self.asked, self.told = asked, Event()
+        self.asked, self.ended = asked, Event()
 
     def _work(self, *given):
         self.asked.set()
-        assert self.told.wait(60)
+        assert self.ended.wait(60)
         self.violations.append("left a file where none should be")
         raise Unanswered(Verdict.ERROR, "is not asked any more")
 
@@ -244,7 +244,7 @@ class Endless(InProcess):
         pass
 
     def interrupt(self):
-        self.told.set()
+        self.ended.set()
 
 
 def test_what_a_session_does_that_was_ended_is_not_held_against_the_code():

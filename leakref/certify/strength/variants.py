@@ -20,7 +20,7 @@ from leakref._base import FloatArray, LeakrefError
 from leakref._caches import njit
 from leakref.altered import Change, altered
 from leakref.certify.subject.named import Named
-from leakref.chain import Reference, reference
+from leakref.chain import Reference, extract, reference
 from leakref.dispersion import Water
 from leakref.sea import Components
 from leakref.shell import Note
@@ -149,12 +149,9 @@ class _Declining(Reference):
         surface_tension: float = 0.0,
         **settings: Any,
     ) -> Any:
-        from leakref.chain import extract
-
         found = extract(surface, spacing, wavenumbers, water=Water(gravity, depth, surface_tension), **settings)
-        bad = np.array(
-            [bool(note & (Note.ANOTHER_BASIN | Note.LEAKAGE_FLOOR | Note.UNCONVERGED)) for note in found.notes]
-        ) & (len(found.notes) > 1)
+        doubtful = Note.ANOTHER_BASIN | Note.LEAKAGE_FLOOR | Note.UNCONVERGED
+        bad = np.array([bool(note & doubtful) for note in found.notes]) & (len(found.notes) > 1)
         bad |= np.isnan(found.velocities).any(axis=1)
         return [None if nothing else row.tolist() for nothing, row in zip(bad, found.velocities, strict=True)]
 
