@@ -107,7 +107,7 @@ class Configuration:
     @cached_property
     def water(self) -> Water:
         """The law of dispersion, in scaled units. Raises LeakrefError for a depth or tension that is none."""
-        return Water(depth=self.depth, surface_tension=self.surface_tension)
+        return Water(1.0, depth=self.depth, surface_tension=self.surface_tension)
 
     @property
     def measured_in(self) -> Water:

@@ -33,7 +33,7 @@ class Water:
     derived from this one. Raises LeakrefError for a gravity or depth not above zero or a tension below it.
     """
 
-    gravity: float = 1.0
+    gravity: float
     depth: float = np.inf
     surface_tension: float = 0.0
 
@@ -87,7 +87,7 @@ class Water:
         return self.to_units(Scales(1 / scales.peak_wavenumber, 1 / scales.gravity))
 
 
-DEEP = Water()
+DEEP = Water(1.0)
 """The paper's water, in its scaled units."""
 
 
@@ -107,7 +107,7 @@ def law(call: str, gravity: float | None, water: Water | None) -> Water:
 
 
 def velocity_resolutions(
-    wavenumber: npt.ArrayLike, wavenumber_resolution: float, frequency_resolution: float, water: Water = DEEP
+    wavenumber: npt.ArrayLike, wavenumber_resolution: float, frequency_resolution: float, water: Water
 ) -> tuple[FloatArray, FloatArray]:
     """The two Doppler shift resolutions of eq:dcdwk at each wavenumber, in units of velocity.
 

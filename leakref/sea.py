@@ -173,13 +173,13 @@ def aligned_waves(
     *,
     amplitude: Sequence[float] = (1.0, 0.7),
     phase: Sequence[float] = (0.3, 1.9),
-    gravity: float = 1.0,
+    gravity: float | None = None,
     water: Water | None = None,
 ) -> tuple[Components, FloatArray]:
     """One or two waves exactly on bins (i, j, m) of `grid`, and the uniform current (2,) that puts them there.
 
     Two waves that are not parallel fix the current: omega0(k) + k.U = m domega is a 2x2 system. One wave fixes its
-    component along the wave, and that is returned. `water` goes before `gravity`. Raises LeakrefError otherwise.
+    component along the wave, and that is returned. `water` is given, or a `gravity`. Raises LeakrefError otherwise.
     """
     if len(bins) not in (1, 2):
         raise LeakrefError("aligned_waves", f"{len(bins)} waves", "give one or two bins (i, j, m)")
@@ -195,6 +195,6 @@ def aligned_waves(
         raise LeakrefError("aligned_waves", f"the waves {list(bins)} are parallel", "choose two directions")
     if not k.any(axis=1).all():
         raise LeakrefError("aligned_waves", "a wave has wavenumber zero", "choose bins with i or j other than 0")
-    shift = omega - law("aligned_waves", None if water is not None else gravity, water).frequency(np.hypot(*k.T))
+    shift = omega - law("aligned_waves", gravity, water).frequency(np.hypot(*k.T))
     current = np.linalg.lstsq(k, shift, rcond=None)[0]
     return Components(k[:, 0], k[:, 1], omega, *[np.asarray(v[: len(bins)]) for v in (amplitude, phase)]), current

@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from leakref._base import FloatArray, IntArray, LeakrefError, finite, positive
-from leakref.dispersion import DEEP, Water
+from leakref.dispersion import Water
 from leakref.spectrum import Spectrum
 from leakref.window import window
 
@@ -149,7 +149,7 @@ def _leaked(spectrum: Spectrum, distances: tuple[IntArray, IntArray, IntArray]) 
     return (x * y)[:, None] * t
 
 
-def shell_at(spectrum: Spectrum, wavenumber: float, *, water: Water = DEEP, half_width: float = HALF_WIDTH) -> Shell:
+def shell_at(spectrum: Spectrum, wavenumber: float, *, water: Water, half_width: float = HALF_WIDTH) -> Shell:
     """The shell around `wavenumber` (rad per length), `half_width` in dk.
 
     Raises LeakrefError for a shell that reaches past the Nyquist wavenumber or past the bins of the

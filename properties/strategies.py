@@ -161,7 +161,7 @@ def _bins(draw: st.DrawFn, stretch: float) -> tuple[int, int]:
 def _aligned(
     grid: Grid, bins: list[tuple[int, int, int]], amplitude: tuple[float, ...], phase: tuple[float, ...]
 ) -> Drawn:
-    components, (u, v) = aligned_waves(grid, bins, amplitude=amplitude, phase=phase)
+    components, (u, v) = aligned_waves(grid, bins, amplitude=amplitude, phase=phase, gravity=1.0)
     k = np.hypot(components.kx, components.ky).mean()
     return Drawn(
         components,

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from leakref import Grid
 from leakref.certify.checks.inputs import Cube
+from leakref.dispersion import DEEP
 
 from .examined import Examined, same
 from .strategies import currents, examples, seas
@@ -18,7 +19,7 @@ from .strategies import currents, examples, seas
 def shells(modules: Any, cube: Cube, window: str) -> list[Any]:
     """The shells of a cube, by the closed form."""
     spectrum = modules.leakage.spectrum(cube.components, cube.grid, window)
-    return [modules.shell.shell_at(spectrum, k) for k in cube.wavenumbers]
+    return [modules.shell.shell_at(spectrum, k, water=DEEP) for k in cube.wavenumbers]
 
 
 @examples(15)
@@ -89,7 +90,7 @@ def test_the_half_space_stands_for_the_whole(
     f = np.abs(spectrum.whole())[inside][:, m % nt]
     assume((g * weight).sum() > 1e-100)
     literal = (g * f * weight).sum() / (g * weight).sum() / (f * weight).sum() * weight.sum() * inside.sum()
-    shell = modules.shell.shell_at(spectrum, k)
+    shell = modules.shell.shell_at(spectrum, k, water=DEEP)
     assert abs(modules.nsp.normalized_scalar_product(shell, velocity, a) / literal - 1) < 1e-11
 
 

@@ -12,7 +12,7 @@ GRID = leakref.Grid((24, 20, 32), (0.9, 1.1, 0.5))
 
 
 def surface():
-    waves, _ = leakref.aligned_waves(GRID, [(3, 1, 6), (-2, 3, 7)])
+    waves, _ = leakref.aligned_waves(GRID, [(3, 1, 6), (-2, 3, 7)], gravity=1.0)
     return leakref.synthesize(waves, *(GRID.samples(axis) for axis in range(3)))
 
 

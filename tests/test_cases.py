@@ -65,7 +65,7 @@ def test_case_depth_is_the_paper_s_own_sea_over_a_bottom():
     deep = own.components(0)
     for c in CASES["depth"]:
         assert replace(c, case=own.case, depth=np.inf, varied=own.varied) == own
-        assert c.water == c.measured_in == Water(depth=c.depth)
+        assert c.water == c.measured_in == Water(1.0, depth=c.depth)
         over = c.components(0)  # at some of the longest there is no energy left, or none in deep water
         shared = {(x, y): w for x, y, w in zip(deep.kx, deep.ky, zip(deep.omega, deep.phase, strict=True), strict=True)}
         both = [n for n, at in enumerate(zip(over.kx, over.ky, strict=True)) if at in shared]
@@ -81,7 +81,7 @@ def test_the_same_seas_taken_for_deep_are_configurations_of_their_own():
         assert (c.id, c.water, c.measured_in) == (f"{known.id},assumed=deep", known.water, DEEP)
         assert configurations([c.id]) == [c]
     assert not set(ASSUMED_DEEP) & set(configurations(["depth"]))
-    assert replace(CASES["depth"][0], assumed=Water(depth=3.0)).id == "depth/kh=0.7,assumed=3"
+    assert replace(CASES["depth"][0], assumed=Water(1.0, depth=3.0)).id == "depth/kh=0.7,assumed=3"
 
 
 def test_unknown_cases_are_refused_with_what_comes_close():

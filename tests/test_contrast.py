@@ -84,7 +84,7 @@ def test_no_sea_of_a_known_depth_is_called_one_without_a_shell_or_of_another(kh,
 @pytest.mark.parametrize("taken", [np.inf, 3.0, 0.25])
 def test_a_depth_that_is_not_there_is_told_with_the_one_that_is(kh, taken):
     """Deep water taken for granted, a depth too large and one too small; within what the cube leaves open."""
-    verdict, _ = judged(*of(in_depth(kh, direction=75)), Water(depth=taken))
+    verdict, _ = judged(*of(in_depth(kh, direction=75)), Water(1.0, depth=taken))
     assert not verdict.holds
     (said,) = (word for word in verdict.words if "--depth" in word)
     found = float(re.search(r"--depth (\S+)", said)[1])
@@ -94,7 +94,7 @@ def test_a_depth_that_is_not_there_is_told_with_the_one_that_is(kh, taken):
 
 
 def test_where_k_h_is_large_nothing_is_said_of_the_depth():
-    for water in (DEEP, Water(depth=6.0), Water(depth=50.0)):
+    for water in (DEEP, Water(1.0, depth=6.0), Water(1.0, depth=50.0)):
         verdict, _ = judged(*of(in_depth(3.0)), water)
         assert (verdict.holds, verdict.words) == (True, ())
         assert 1 < verdict.depths[0] < 4

@@ -56,7 +56,9 @@ ACTS_NOT = {"large-simplex", "newton-from-rest", "unit-by-shell"}  # on this sea
 
 @pytest.fixture(scope="module")
 def reference():
-    return fast.realize(SMALL.components(0), SMALL.grid, SMALL.wavenumbers, windows=SMALL.windows, search=False)
+    return fast.realize(
+        SMALL.components(0), SMALL.grid, SMALL.wavenumbers, windows=SMALL.windows, search=False, gravity=1.0
+    )
 
 
 def literal(variant, configuration):
@@ -301,7 +303,14 @@ def test_the_guide_says_which_verdicts_turn():
 
 FINEST = min(
     float(
-        min(map(np.min, velocity_resolutions(c.wavenumbers, c.grid.wavenumber_resolution, c.grid.frequency_resolution)))
+        min(
+            map(
+                np.min,
+                velocity_resolutions(
+                    c.wavenumbers, c.grid.wavenumber_resolution, c.grid.frequency_resolution, water=DEEP
+                ),
+            )
+        )
     )
     for c in PAPER_CASES["L-T"]
 )

@@ -139,7 +139,7 @@ def test_a_code_that_declares_nothing_is_asked_in_the_water_of_the_paper():
 
 
 def test_depth_and_tension_come_in_the_units_of_the_code():
-    water = Water(depth=1.2, surface_tension=0.12)
+    water = Water(1.0, depth=1.2, surface_tension=0.12)
     surface, spacing = np.random.default_rng(1).standard_normal((8, 8, 8)), (0.5, 0.5, 0.5)
     for units, length, scale in (("scaled", 1 / 4, 4.0), ("si", 1 / (0.25 * 4), 4.0)):
         code = Seen(units, depth="given", surface_tension="given")
@@ -154,10 +154,10 @@ def test_depth_and_tension_come_in_the_units_of_the_code():
 @pytest.mark.parametrize(
     ("said", "water", "words"),
     [
-        ({}, Water(depth=1.0), "knows deep water"),
-        ({}, Water(surface_tension=0.1), "knows no tension"),
-        ({"depth": "given"}, Water(surface_tension=0.1), "knows no tension"),
-        ({"depth": 2.0}, Water(depth=1.0), "knows one depth only"),
+        ({}, Water(1.0, depth=1.0), "knows deep water"),
+        ({}, Water(1.0, surface_tension=0.1), "knows no tension"),
+        ({"depth": "given"}, Water(1.0, surface_tension=0.1), "knows no tension"),
+        ({"depth": 2.0}, Water(1.0, depth=1.0), "knows one depth only"),
         ({"depth": 2.0}, DEEP, "knows one depth only"),
     ],
 )
@@ -173,7 +173,7 @@ def test_what_it_cannot_be_told_it_is_not_asked(said, water, words):
 
 def test_no_wave_that_is_looked_at_feels_the_bottom_of_deep_water():
     k = np.linspace(0.2, 60, 400)
-    np.testing.assert_array_equal(Water(depth=BOTTOMLESS).frequency(k), DEEP.frequency(k))
+    np.testing.assert_array_equal(Water(1.0, depth=BOTTOMLESS).frequency(k), DEEP.frequency(k))
 
 
 # ---------------------------------------------------------------- right codes
@@ -288,8 +288,8 @@ def test_the_depth_of_the_tile_before_is_seen():
 def test_what_must_change_is_what_the_law_says(case):
     """Of each wave the frequency in still water changes, and k times the change of the current makes up for it."""
     given = case.given
-    cube = family._pair(given["grid"], given["near"], Water(depth=given["made"]))
-    other = family._in_other_water(cube, Water(depth=given["told"]))
+    cube = family._pair(given["grid"], given["near"], Water(1.0, depth=given["made"]))
+    other = family._in_other_water(cube, Water(1.0, depth=given["told"]))
     waves = cube.components
     k = np.hypot(waves.kx, waves.ky)
     for one in (cube, other):
@@ -299,7 +299,7 @@ def test_what_must_change_is_what_the_law_says(case):
 
 
 def test_cubes_are_of_the_water_of_the_question():
-    shallow = Water(depth=0.8)
+    shallow = Water(1.0, depth=0.8)
     with inputs.in_water(shallow):
         cube = inputs.many(inputs.EVEN.shape, (0.2, 0.1))
     deep = inputs.many(inputs.EVEN.shape, (0.2, 0.1))

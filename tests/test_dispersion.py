@@ -34,7 +34,7 @@ def test_velocity_resolutions_are_those_of_the_equation():
 @pytest.mark.parametrize("bad", [(0.0, 1, 1), ([1, -1], 1, 1), (1, 0, 1), (1, 1, -1), (1, np.nan, 1)])
 def test_velocity_resolutions_refuse_what_is_not_positive(bad):
     with pytest.raises(LeakrefError, match=r"^velocity_resolutions: "):
-        velocity_resolutions(*bad)
+        velocity_resolutions(*bad, water=DEEP)
 
 
 # adaptive quadrature to 1e-12 of unit velocities, two components

@@ -18,7 +18,7 @@ from leakref import Components, Grid, LeakrefError, Scales, SeaState, UniformCur
 from leakref.cases import configurations
 from leakref.cli.base import app
 from leakref.cubes import files, measuring, wavenumbers
-from leakref.dispersion import velocity_resolutions
+from leakref.dispersion import DEEP, velocity_resolutions
 
 CASE = "L-T/L=5,T=10"
 SUFFIX = {"npz": "npz", "mat": "mat", "netcdf": "nc"}
@@ -137,7 +137,7 @@ def test_the_current_is_found_where_there_is_signal(sea):
     np.testing.assert_allclose(k / dk, np.rint(k / dk), rtol=0, atol=1e-9)
     assert np.rint(k / dk).min() >= 4
     assert k.max() + 2 * dk < np.pi / 0.6
-    resolution = np.maximum(*velocity_resolutions(k, dk, GRID.frequency_resolution))
+    resolution = np.maximum(*velocity_resolutions(k, dk, GRID.frequency_resolution, water=DEEP))
     high = k > 1.2  # below, tapered biases reach the resolution (the paper's A8)
     assert high.sum() >= 5
     assert np.all(np.hypot(*(c - CURRENT).T)[high] < resolution[high])

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from leakref import Components, Grid, LeakrefError, SeaState, UniformCurrent, aligned_waves, leakage
 from leakref.chain import analyse, shell_wavenumbers
+from leakref.dispersion import DEEP
 from leakref.fast import realize
 from leakref.fast.spectra import Disc, magnitudes
 from leakref.methods import METHODS
@@ -135,7 +136,7 @@ def assert_same_or_same_refusal(case):
     try:
         spectrum = leakage.spectrum(waves, grid, "box")
         for k_i in k:
-            shell_at(spectrum, k_i, half_width=settings["half_width"])
+            shell_at(spectrum, k_i, half_width=settings["half_width"], water=DEEP)
     except LeakrefError as error:
         refusal = error.fault
     if refusal is None:
@@ -183,10 +184,10 @@ def test_no_velocity_where_the_surface_has_left_the_band():
     for realization in range(2):
         waves = SeaState(70, 40, length=4).components(realization)
         assert_same(waves, grid, k)
-        for (window, method), record in realize(waves, grid, k).items():
+        for (window, method), record in realize(waves, grid, k, gravity=1.0).items():
             for k_i, velocity, note in zip(k, record.velocities, record.notes, strict=True):
                 lost += Note.EDGE in note and bool(np.isnan(velocity[0]))
-                shell = shell_at(leakage.spectrum(waves, grid, window), k_i)
+                shell = shell_at(leakage.spectrum(waves, grid, window), k_i, water=DEEP)
                 past = np.abs(shell.intrinsic + np.stack([shell.kx, shell.ky], axis=1) @ velocity) > shell.omega[-1]
                 assert method == "ls" or np.mean(past) <= 0.5
     assert lost
@@ -199,7 +200,7 @@ def test_same_where_the_gaussian_is_clipped_at_the_nyquist_frequency():
 
 
 def test_same_notes_for_shells_without_a_wave_and_for_few_waves():
-    components, _ = aligned_waves(SMALL, [(5, 3, 11), (-3, 6, 12)])
+    components, _ = aligned_waves(SMALL, [(5, 3, 11), (-3, 6, 12)], gravity=1.0)
     notes = assert_same(components, SMALL, [1.2, 2.8])
     assert any(Note.NO_SIGNAL in note for note in notes)
     one = Components(components.kx[:1] * 1.03, components.ky[:1], components.omega[:1] * 1.02, [1.0], [0.4])
@@ -220,8 +221,8 @@ def test_other_basins_are_found_where_the_plain_chain_finds_them():
 def test_same_input_same_bits_and_untouched():
     waves = SeaState(75, 60, length=5).components(0)
     before = {name: getattr(waves, name).copy() for name in waves.__dataclass_fields__}
-    first, second = (realize(waves, SMALL, [1.0, 1.4]) for _ in range(2))
-    backwards = realize(waves, SMALL, [1.4, 1.0], windows=("hann", "box"), methods=("ls", "nsp"))
+    first, second = (realize(waves, SMALL, [1.0, 1.4], gravity=1.0) for _ in range(2))
+    backwards = realize(waves, SMALL, [1.4, 1.0], windows=("hann", "box"), methods=("ls", "nsp"), gravity=1.0)
     for key, record in first.items():
         assert np.array_equal(record.velocities, second[key].velocities)
         assert np.array_equal(record.velocities, backwards[key].velocities[::-1])

@@ -27,7 +27,7 @@ from leakref.claims.words import Reading, Tally
 from leakref.cli.base import app
 from leakref.cubes.figures import extraction_figure, screening_figure
 from leakref.cubes.screen import screen
-from leakref.dispersion import velocity_resolutions
+from leakref.dispersion import DEEP, velocity_resolutions
 from leakref.figures import figure, result_figure
 from leakref.paper.figures import RESULTS, stored
 from leakref.paper.illustrations import ILLUSTRATIONS
@@ -178,7 +178,7 @@ def test_figures_of_a_cube_can_be_read(untapered, tapered):
     k = 2 * np.pi / 32 * np.arange(4, 9)
     grid = tapered.grid
     units = ("rad/m", "m/s")
-    resolutions = velocity_resolutions(k, grid.wavenumber_resolution, grid.frequency_resolution)
+    resolutions = velocity_resolutions(k, grid.wavenumber_resolution, grid.frequency_resolution, water=DEEP)
     flags = [["flat", "edge"], [], ["leakage"], [], []]
     found = analyse(tapered, k, search=False, gravity=1.0)
     drawn = extraction_figure(found, flags, resolutions, units, "cube.nc: nsp, window hann", np.array([0.1, 0.0]))

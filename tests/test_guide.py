@@ -283,7 +283,7 @@ def test_its_conversation_is_one():
 
 def test_its_stages_are_handed_what_it_says(tmp_path):
     grid = Grid((8, 9, 10), (0.8, 0.9, 0.7))
-    waves, _ = aligned_waves(grid, [(2, 1, 2), (1, 2, 2)])
+    waves, _ = aligned_waves(grid, [(2, 1, 2), (1, 2, 2)], gravity=1.0)
     axes = [grid.samples(axis) for axis in range(3)]
     with connect("reference", keep=tmp_path) as subject:
         subject.window("hann", 8)
@@ -307,7 +307,7 @@ def test_its_program_works(tmp_path):
     (code,) = [words for note, _, words in blocks("protocol") if note == "file: program.py"]
     (tmp_path / "program.py").write_text(code, encoding="utf-8")
     grid = Grid((6, 7, 8), (0.8, 0.9, 0.7))
-    waves, _ = aligned_waves(grid, [(2, 1, 2), (1, -2, 2)])
+    waves, _ = aligned_waves(grid, [(2, 1, 2), (1, -2, 2)], gravity=1.0)
     axes = [grid.samples(axis) for axis in range(3)]
     surface = synthesize(waves, *axes)
     with connect(command=[sys.executable, str(tmp_path / "program.py")]) as subject, connect("reference") as reference:

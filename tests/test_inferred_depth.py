@@ -20,7 +20,7 @@ from leakref.chain import transform
 from leakref.claims.evidence import Evidence
 from leakref.claims.shifts import Altered, NotCovered
 from leakref.depthscore import depth_resolutions, derivatives
-from leakref.dispersion import Water
+from leakref.dispersion import DEEP, Water
 from leakref.paper import inferred as depths
 from leakref.paper import inferredfigure, inferredtables, reproduce
 from leakref.shell import Note, shell_at
@@ -46,11 +46,11 @@ def on_bins(numbers, water, current):
 
 
 CASES = {
-    "shallow": ([(3, 1), (-2, 5), (6, -4)], Water(depth=0.7), (0.05, -0.04)),
-    "middle": ([(2, 2), (5, -1), (-1, 7)], Water(depth=1.2), (-0.06, 0.08)),
-    "deeper": ([(2, 1), (1, -4), (7, 3)], Water(depth=2.0), (0.1, 0.02)),
+    "shallow": ([(3, 1), (-2, 5), (6, -4)], Water(1.0, depth=0.7), (0.05, -0.04)),
+    "middle": ([(2, 2), (5, -1), (-1, 7)], Water(1.0, depth=1.2), (-0.06, 0.08)),
+    "deeper": ([(2, 1), (1, -4), (7, 3)], Water(1.0, depth=2.0), (0.1, 0.02)),
     "gravity": ([(2, 1), (1, -4), (7, 3)], Water(gravity=1.3, depth=1.0), (0.04, 0.03)),
-    "tension": ([(3, 1), (-2, 5), (6, -4)], Water(depth=0.9, surface_tension=0.03), (0.02, 0.05)),
+    "tension": ([(3, 1), (-2, 5), (6, -4)], Water(1.0, depth=0.9, surface_tension=0.03), (0.02, 0.05)),
 }
 
 
@@ -110,17 +110,17 @@ def test_it_is_the_plain_n_with_the_frequency_of_the_depth():
     sea = Configuration("small", length=4, duration=6, depth=0.9)
     (spectrum,) = transform(sea.components(2), sea.grid, ("hann",), route="B")
     a, c, eps = 4 * sea.grid.frequency_resolution, np.array([0.07, -0.03]), 1e-4
-    for shell in (shell_at(spectrum, 1.2), depth.band(spectrum, 0.4, 2.5, water=sea.water)):
+    for shell in (shell_at(spectrum, 1.2, water=DEEP), depth.band(spectrum, 0.4, 2.5, water=sea.water)):
         k = np.hypot(shell.kx, shell.ky)
 
         def plain(x, shell=shell, k=k):
-            water = Water(depth=float(np.exp(x[2])))
+            water = Water(1.0, depth=float(np.exp(x[2])))
             return nsp.normalized_scalar_product(replace(shell, intrinsic=water.frequency(k)), x[:2], a)
 
         x = np.array([*c, np.log(1.3)])
-        n, slope, bend = derivatives(shell, Water(depth=1.3), c, width=a)
+        n, slope, bend = derivatives(shell, Water(1.0, depth=1.3), c, width=a)
         assert n == pytest.approx(plain(x), rel=1e-12)  # tails cut at 1e-15, 35 products
-        at_c = nsp.score_derivatives(replace(shell, intrinsic=Water(depth=1.3).frequency(k)), c, a)
+        at_c = nsp.score_derivatives(replace(shell, intrinsic=Water(1.0, depth=1.3).frequency(k)), c, a)
         np.testing.assert_allclose(slope[:2], at_c[1], rtol=1e-11, atol=1e-12)
         np.testing.assert_allclose(bend[:2, :2], at_c[2], rtol=1e-11, atol=1e-11)
         steps = np.eye(3) * eps
@@ -156,8 +156,8 @@ def test_the_band_holds_every_bin_once_and_levelling_gives_each_ring_one_say():
 def test_waves_of_k_h_of_five_have_no_depth_and_it_is_said_in_words():
     deep = [(3, 1), (-2, 5), (6, -4)]
     k = np.hypot(*(np.array(deep) * GRID.bin_widths[:2]).T)
-    waves, _, _ = on_bins(deep, Water(depth=1.0), (0.05, -0.04))
-    still = Water(depth=5 / k.min())
+    waves, _, _ = on_bins(deep, Water(1.0, depth=1.0), (0.05, -0.04))
+    still = Water(1.0, depth=5 / k.min())
     spectrum = leakage.spectrum(replace(waves, omega=still.frequency(k)), GRID, "hann")
     for current in (None, (0.0, 0.0)):
         found = depth.infer_band(spectrum, *BAND, gravity=1.0, current=current)
@@ -194,14 +194,14 @@ def test_nothing_is_inferred_from_nothing():
 
 
 def test_the_resolution_is_a_bin_over_the_slope():
-    k, water, eps = np.array([0.5, 1.0, 1.7]), Water(depth=1.1), 1e-6
+    k, water, eps = np.array([0.5, 1.0, 1.7]), Water(1.0, depth=1.1), 1e-6
     slope = (
         replace(water, depth=1.1 * (1 + eps)).frequency(k) - replace(water, depth=1.1 * (1 - eps)).frequency(k)
     ) / (2 * eps)
     by_frequency, by_wavenumber = depth_resolutions(k, 0.1, 0.05, water)
     np.testing.assert_allclose(by_frequency, 0.05 / slope, rtol=1e-8)
     np.testing.assert_allclose(by_wavenumber, 0.1 * water.group_velocity(k) / slope, rtol=1e-8)
-    assert depth_resolutions(1.0, 0.1, 0.05, Water(depth=40.0))[0] > 1e20
+    assert depth_resolutions(1.0, 0.1, 0.05, Water(1.0, depth=40.0))[0] > 1e20
 
 
 # ---- ensembles
@@ -280,7 +280,7 @@ def test_statistics_are_parts_of_the_true_depth():
     assert np.isnan(none.bias).all()
     assert none.noted(Note.FLAT).tolist() == [6] * 11
     assert made_up().resolution[2:6] == pytest.approx(
-        np.minimum(*depth_resolutions(depths.WAVENUMBERS[2:6], 0.1, 0.05, Water(depth=1.0)))
+        np.minimum(*depth_resolutions(depths.WAVENUMBERS[2:6], 0.1, 0.05, Water(1.0, depth=1.0)))
     )
 
 

@@ -19,6 +19,7 @@ from leakref import (
     leastsquares,
     shell_wavenumbers,
 )
+from leakref.dispersion import DEEP
 from leakref.leastsquares import THRESHOLD, optimum
 from leakref.shell import shell_at
 
@@ -70,7 +71,7 @@ def test_gradient_vanishes_and_the_hessian_is_that_of_the_cost(tapered):
 def test_threshold_is_of_the_shells_own_largest_power_and_inclusive():
     # a strong wave in another shell must not matter (decision D7)
     kx, ky, domega = GRID.bin_widths
-    near, _ = aligned_waves(GRID, [(3, 1, 12), (-1, 3, 11)])
+    near, _ = aligned_waves(GRID, [(3, 1, 12), (-1, 3, 11)], gravity=1.0)
     strong = Components(
         *(
             np.append(getattr(near, n), v)
@@ -101,13 +102,13 @@ def test_threshold_is_of_the_shells_own_largest_power_and_inclusive():
 
 def test_a_bin_at_the_threshold_is_noted():
     for power, noted in ((0.2, True), (0.2001, False), (0.1999, False)):
-        waves, _ = aligned_waves(GRID, [(3, 1, 12), (-1, 3, 11)], amplitude=(1.0, np.sqrt(power)))
+        waves, _ = aligned_waves(GRID, [(3, 1, 12), (-1, 3, 11)], amplitude=(1.0, np.sqrt(power)), gravity=1.0)
         found = leastsquares.extract(leakage.spectrum(waves, GRID, "box"), 1.2, gravity=1.0)
         assert (Note.THRESHOLD in found.notes[0]) == noted
 
 
 def test_one_wave_or_one_bin_is_flat_and_no_number():
-    wave, _ = aligned_waves(GRID, [(3, 1, 12)])
+    wave, _ = aligned_waves(GRID, [(3, 1, 12)], gravity=1.0)
     alone = leastsquares.extract(leakage.spectrum(wave, GRID, "box"), 1.2, gravity=1.0)
     assert alone.notes == (Note.TOO_FEW_BINS | Note.FLAT,)
     kx, ky, domega = GRID.bin_widths
@@ -126,7 +127,7 @@ def test_no_signal_is_no_number():
 
 
 def test_optimum_takes_the_threshold_of_the_paper_by_default(tapered):
-    shell = shell_at(tapered, 1.0)
+    shell = shell_at(tapered, 1.0, water=DEEP)
     assert np.array_equal(optimum(shell).velocity, optimum(shell, 0.2).velocity)
     assert not np.array_equal(optimum(shell).velocity, optimum(shell, 0.5).velocity)
     assert THRESHOLD == 0.2

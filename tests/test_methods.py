@@ -53,10 +53,10 @@ def test_chain_and_fast_path_answer_a_method_with_its_own_numbers(registered):
     assert is_fixed(analyse(spectrum, K, method="fixed", gravity=1.0).velocities)
     assert is_fixed(analyse(spectrum, K, method="fixed", search=False, peak_wavenumber=1.0, gravity=1.0).velocities)
     assert not is_fixed(analyse(spectrum, K, method="fixed", offset=1.0, gravity=1.0).velocities)
-    found = fast.realize(SEA, GRID, K, **WAYS)
+    found = fast.realize(SEA, GRID, K, **WAYS, gravity=1.0)
     assert list(found) == [("hann", "nsp"), ("hann", "fixed"), ("hann", "ls")]
     assert is_fixed(found["hann", "fixed"].velocities)
-    alone = fast.realize(SEA, GRID, K, windows=("hann",))
+    alone = fast.realize(SEA, GRID, K, windows=("hann",), gravity=1.0)
     for method in ("nsp", "ls"):  # and the others are what they were
         assert np.array_equal(found["hann", method].velocities, alone["hann", method].velocities)
 
@@ -91,8 +91,11 @@ def test_certify_holds_it_to_its_own_reference(registered):
     np.testing.assert_allclose(beyond, np.hypot(1e-3, 1e-3) / exact.EXACT, rtol=1e-9)  # it has no score to be kinder
 
 
-def test_golden_values_figures_and_plans_name_it_as_itself(registered):
+def test_golden_values_figures_and_plans_name_it_as_itself(registered, monkeypatch):
+    row = ids.Seas(2, CASES["nsp-ls"], ("fixed",), "fixed")
+    monkeypatch.setattr(ids, "SEAS", (*ids.SEAS, row))  # all that golden values need of it
     assert "ensemble-nsp-ls/hann-fixed" in ids.ids("ensembles")
+    assert "realization-nsp-ls/fixed/0" in ids.ids("realizations")
     (e,) = runs.run([replace(CASES["L-T"][0], windows=("hann",))], realizations=2, methods=("fixed",))
     drawing = figures.result_figure(list(e), "")
     assert "Fixed" in {
@@ -109,7 +112,7 @@ def test_golden_values_figures_and_plans_name_it_as_itself(registered):
     "ask",
     [
         lambda: analyse(leakage.spectrum(SEA, GRID, "hann"), K, method="polar", gravity=1.0),
-        lambda: fast.realize(SEA, GRID, K, methods=("polar",)),
+        lambda: fast.realize(SEA, GRID, K, methods=("polar",), gravity=1.0),
         lambda: ensemble.realize(CASES["L-T"][0], 0, methods=("polar",)),
         lambda: list(runs.run([CASES["L-T"][0]], realizations=1, methods=("polar",))),
     ],
@@ -164,9 +167,9 @@ class Shallow(Water):
 def test_another_water_goes_through_chain_and_fast_path_alike(method):
     sea = SeaState(direction=70, spread=60, length=5).components(3)
     k = np.hypot(sea.kx, sea.ky)
-    waves = replace(sea, omega=Shallow().frequency(k) + 0.1 * sea.kx - 0.05 * sea.ky)
-    plain = analyse(leakage.spectrum(waves, GRID, "hann"), K, water=Shallow(), method=method, peak_wavenumber=1.0)
-    twin = fast.realize(waves, GRID, K, windows=("hann",), methods=(method,), water=Shallow())["hann", method]
+    waves = replace(sea, omega=Shallow(1.0).frequency(k) + 0.1 * sea.kx - 0.05 * sea.ky)
+    plain = analyse(leakage.spectrum(waves, GRID, "hann"), K, water=Shallow(1.0), method=method, peak_wavenumber=1.0)
+    twin = fast.realize(waves, GRID, K, windows=("hann",), methods=(method,), water=Shallow(1.0))["hann", method]
     np.testing.assert_allclose(twin.velocities, plain.velocities, atol=1e-11, rtol=0)
     assert twin.notes == plain.notes
     assert np.abs(plain.velocities - [0.1, -0.05]).max() < 0.05  # and it is the current
@@ -189,7 +192,7 @@ def test_what_is_no_water_is_refused_by_name(water):
 
 def test_a_shell_knows_the_frequency_of_its_own_wavenumber():
     spectrum = leakage.spectrum(SEA, GRID, "hann")
-    for water in (DEEP, Water(9.81), Shallow()):
+    for water in (DEEP, Water(9.81), Shallow(1.0)):
         assert shell_at(spectrum, 1.4, water=water).frequency == water.frequency(1.4)
 
 
@@ -246,5 +249,5 @@ def test_of_no_method_the_spectra_are_made_all_the_same(monkeypatch):
     """What they cost is timed so by `leakref bench`."""
     made = []
     monkeypatch.setattr(fast, "magnitudes", lambda *given: made.append(given) or {})
-    assert fast.realize(SEA, GRID, K, methods=()) == {}
+    assert fast.realize(SEA, GRID, K, methods=(), gravity=1.0) == {}
     assert len(made) == 1

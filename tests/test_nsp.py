@@ -30,7 +30,7 @@ from leakref import (
     shell_wavenumbers,
     synthesize,
 )
-from leakref.dispersion import Water
+from leakref.dispersion import DEEP, Water
 from leakref.nsp import START, WIDTH, characteristic_function, normalized_scalar_product, optimum, score_derivatives
 from leakref.shell import Shell, shell_at
 
@@ -70,7 +70,7 @@ def test_as_printed_the_whole_space_cannot_tell_a_current_from_its_negative(grid
 
 
 def test_characteristic_function_has_both_branches_of_a_real_signal(tapered):
-    shell = shell_at(tapered, 1.0)
+    shell = shell_at(tapered, 1.0, water=DEEP)
     g = characteristic_function(shell, (0.4, -0.9), 0.4)
     for n in range(0, shell.kx.size, 7):
         kx, ky = float(shell.kx[n]), float(shell.ky[n])
@@ -86,7 +86,7 @@ def test_characteristic_function_has_both_branches_of_a_real_signal(tapered):
 
 @pytest.mark.parametrize("velocity", VELOCITIES)
 def test_derivatives_are_those_of_finite_differences(untapered, velocity):
-    shell, width = shell_at(untapered, 1.2), WIDTH * untapered.grid.frequency_resolution
+    shell, width = shell_at(untapered, 1.2, water=DEEP), WIDTH * untapered.grid.frequency_resolution
     v0 = width / 1.2  # N varies on this scale; step 0.004 v0: truncation 0.004^4 / 30 * 4^5, rounding 1e-14 / 0.004
     n, gradient, hessian = score_derivatives(shell, velocity, width)
     slope = oracles.differences(lambda u, v: normalized_scalar_product(shell, (u, v), width), velocity, 0.004 * v0)
@@ -108,7 +108,7 @@ def test_the_optimum_has_a_vanishing_gradient_and_a_negative_definite_hessian(re
     width, found = WIDTH * spectrum.grid.frequency_resolution, nsp.extract(spectrum, k, gravity=1.0)
     assert sum(not n for n in found.notes) >= 6
     for n, k_i in enumerate(k):
-        v0, shell, at = width / k_i, shell_at(spectrum, k_i), found.velocities[n]
+        v0, shell, at = width / k_i, shell_at(spectrum, k_i, water=DEEP), found.velocities[n]
         scale = found.score[n] / v0
         # the last step was below 1e-13 c0, the curvature is some 4 N / v0^2, and N is rounded to 1e-14
         assert np.abs(found.gradient[n]).max() < 1e-11 * found.score[n] / v0**2
@@ -137,7 +137,7 @@ def test_another_start_in_the_same_basin_gives_the_same_velocity(request, window
     width, found = WIDTH * spectrum.grid.frequency_resolution, nsp.extract(spectrum, k, gravity=1.0)
     sound = [n for n, note in enumerate(found.notes) if not note]
     for n in sound:
-        shell = shell_at(spectrum, k[n])
+        shell = shell_at(spectrum, k[n], water=DEEP)
         for du, dv in ((0.1, 0.0), (-0.05, 0.08), (0.0, -0.1)):
             start = found.velocities[n] + np.array((du, dv)) * width / k[n]
             derivatives = partial(score_derivatives, shell, width=width)
@@ -174,7 +174,7 @@ def common_current(grid, first, second, towards):
         omega = math.sqrt(math.hypot(kx, ky)) + kx * towards[0] + ky * towards[1]
         bins.append((i, j, round(omega / grid.frequency_resolution)))
     assert min(m for *_, m in bins) >= 8
-    return aligned_waves(grid, bins)
+    return aligned_waves(grid, bins, gravity=1.0)
 
 
 @pytest.mark.parametrize("method", ["nsp", "ls"])
@@ -206,7 +206,7 @@ def test_two_waves_on_bins_return_their_common_current_under_box(pair, towards, 
 
 def test_one_wave_on_a_bin_fixes_the_component_along_it_and_the_rest_is_called_flat():
     grid = PAIRS[0][0]
-    wave, current = aligned_waves(grid, [(3, 1, 12)])
+    wave, current = aligned_waves(grid, [(3, 1, 12)], gravity=1.0)
     k = np.array([wave.kx[0], wave.ky[0]])
     found = nsp.extract(leakage.spectrum(wave, grid, "box"), np.hypot(*k), gravity=1.0)
     assert found.velocities[0] @ k == pytest.approx(current @ k, abs=1e-10)
@@ -272,7 +272,7 @@ def scene(grid: Grid, *waves) -> Components:
 
 def test_no_signal_is_no_number():
     grid = PAIRS[0][0]
-    elsewhere, _ = aligned_waves(grid, [(6, 1, 18)])
+    elsewhere, _ = aligned_waves(grid, [(6, 1, 18)], gravity=1.0)
     for spectrum in (fourier(np.zeros(grid.shape), grid), leakage.spectrum(elsewhere, grid, "box")):
         found = nsp.extract(spectrum, 1.2, gravity=1.0)
         assert found.notes == (Note.NO_SIGNAL,)
@@ -320,7 +320,7 @@ def test_edge_is_noted_beyond_the_reach_of_the_search():
     assert Note.EDGE in slow.notes[0]
     # and where the Nyquist frequency is so near that G leaves the band before: omega_N - omega0 - 3 a < k |c|
     near = Grid((*grid.shape[:2], 26), (*grid.spacing[:2], 2.1))
-    turned, _ = aligned_waves(near, [(3, 1, 10), (-1, 3, 11)])
+    turned, _ = aligned_waves(near, [(3, 1, 10), (-1, 3, 11)], gravity=1.0)
     assert Note.EDGE in nsp.extract(leakage.spectrum(turned, near, "box"), k, width=1.0, gravity=1.0).notes[0]
 
 

@@ -17,7 +17,7 @@ from leakref.certify.verdict import Unanswered
 from leakref.window import window
 
 GRID = Grid((16, 18, 48), (0.9, 1.05, 0.6))
-WAVES, CURRENT = aligned_waves(GRID, [(3, -1, 6), (2, 3, 5)])
+WAVES, CURRENT = aligned_waves(GRID, [(3, -1, 6), (2, 3, 5)], gravity=1.0)
 SURFACE = synthesize(WAVES, *(GRID.samples(axis) for axis in range(3)))
 SHELL = float(np.hypot(WAVES.kx, WAVES.ky).mean())
 
@@ -46,7 +46,7 @@ def find(subject):
     assert exact[0] == pytest.approx(CURRENT, abs=1e-9)
     tapered = subject.extract(SURFACE, GRID.spacing, [0.9 * SHELL, SHELL], window="hann", method="ls").values
     assert np.abs(tapered - CURRENT).max() < 0.15  # the side bins lie on the tangent of omega0, not on omega0
-    one, _ = aligned_waves(GRID, [(3, -1, 6)])
+    one, _ = aligned_waves(GRID, [(3, -1, 6)], gravity=1.0)
     alone = synthesize(one, *(GRID.samples(axis) for axis in range(3)))
     # no direction but one; and a shell that ends past Nyquist
     nothing = subject.extract(SURFACE, GRID.spacing, [SHELL, 2.9], window="box", method="ls")

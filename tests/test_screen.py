@@ -25,7 +25,7 @@ from leakref.cubes.screen import (
     shells_with_signal,
     turn,
 )
-from leakref.dispersion import velocity_resolutions
+from leakref.dispersion import DEEP, velocity_resolutions
 
 NARROW, BROAD = "theta0-dtheta/direction=60,spread=15", "theta0-dtheta/direction=90,spread=60"
 SMALL = (Grid((40, 44, 48), (0.8, 0.75, 1.3)), Grid((45, 52, 60), (0.95, 0.8, 0.9)), Grid((63, 50, 44), (0.6, 0.75, 1)))
@@ -277,7 +277,9 @@ def test_velocities_are_turned_back():
     off = np.hypot(*(found.tapered - current).T)[1:3]
     assert np.all(off < found.resolution[1:3])
     assert np.all(found.resolution[1:3] < np.hypot(*current))  # so that a velocity left unturned would be seen
-    expected = np.maximum(*velocity_resolutions(k, smaller.wavenumber_resolution, smaller.frequency_resolution))
+    expected = np.maximum(
+        *velocity_resolutions(k, smaller.wavenumber_resolution, smaller.frequency_resolution, water=DEEP)
+    )
     assert np.array_equal(found.resolution, expected)
 
 

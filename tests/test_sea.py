@@ -169,7 +169,7 @@ def test_separated_rebuilds_the_waves_and_declines_where_it_cannot_pay():
 
 def test_variance_is_the_mean_square_of_the_surface():
     grid = Grid((8, 9, 20), (1.0, 0.7, 0.5))
-    waves, _ = aligned_waves(grid, [(1, 2, 3), (-2, 1, 4)])
+    waves, _ = aligned_waves(grid, [(1, 2, 3), (-2, 1, 4)], gravity=1.0)
     eta = np.array(oracles.surface(waves, *(grid.samples(a) for a in range(3))))
     assert waves.variance == pytest.approx((1.0 + 0.49) / 2, rel=1e-15)
     assert (eta**2).mean() == pytest.approx(waves.variance, rel=1e-13)  # waves on bins are orthogonal
@@ -191,7 +191,7 @@ def test_aligned_waves_are_on_their_bins_and_on_the_dispersion_relation(gravity)
 
 
 def test_one_aligned_wave_fixes_the_current_along_it():
-    waves, current = aligned_waves(Grid((20, 24, 64), (0.8, 0.7, 0.9)), [(3, -1, 12)])
+    waves, current = aligned_waves(Grid((20, 24, 64), (0.8, 0.7, 0.9)), [(3, -1, 12)], gravity=1.0)
     assert current[0] * waves.ky[0] == pytest.approx(current[1] * waves.kx[0], abs=1e-15)
     k = math.hypot(waves.kx[0], waves.ky[0])
     shifted = math.sqrt(k) + waves.kx[0] * current[0] + waves.ky[0] * current[1]
@@ -204,13 +204,13 @@ GRID = Grid((20, 24, 64), (0.8, 0.7, 0.9))
 @pytest.mark.parametrize(
     ("call", "refused", "fault"),
     [
-        ("aligned_waves", lambda: aligned_waves(GRID, [(1, 1, 9), (2, 2, 9)]), "parallel"),
-        ("aligned_waves", lambda: aligned_waves(GRID, [(0, 0, 9)]), "zero"),
-        ("aligned_waves", lambda: aligned_waves(GRID, []), "0 waves"),
-        ("aligned_waves", lambda: aligned_waves(GRID, [(1, 0, 9)] * 3), "3 waves"),
-        ("aligned_waves", lambda: aligned_waves(GRID, [(1.5, 0, 9)]), "1.5"),  # on no bin
-        ("aligned_waves", lambda: aligned_waves(GRID, [(11, 0, 9)]), "11"),  # past Nyquist: seen elsewhere
-        ("aligned_waves", lambda: aligned_waves(GRID, [(1, 0, 33)]), "33"),
+        ("aligned_waves", lambda: aligned_waves(GRID, [(1, 1, 9), (2, 2, 9)], gravity=1.0), "parallel"),
+        ("aligned_waves", lambda: aligned_waves(GRID, [(0, 0, 9)], gravity=1.0), "zero"),
+        ("aligned_waves", lambda: aligned_waves(GRID, [], gravity=1.0), "0 waves"),
+        ("aligned_waves", lambda: aligned_waves(GRID, [(1, 0, 9)] * 3, gravity=1.0), "3 waves"),
+        ("aligned_waves", lambda: aligned_waves(GRID, [(1.5, 0, 9)], gravity=1.0), "1.5"),  # on no bin
+        ("aligned_waves", lambda: aligned_waves(GRID, [(11, 0, 9)], gravity=1.0), "11"),  # past Nyquist: seen elsewhere
+        ("aligned_waves", lambda: aligned_waves(GRID, [(1, 0, 33)], gravity=1.0), "33"),
         ("Components", lambda: Components([1, 2], [1], [1], [1], [1]), "sizes"),
         ("Components", lambda: Components([], [], [], [], []), "sizes"),
         ("Components", lambda: Components([1], [np.nan], [1], [1], [1]), "ky"),

@@ -38,7 +38,7 @@ def test_a_shell_is_the_literal_list_of_its_bins_with_those_on_the_edge(length, 
     grid = Grid((24, 24 * ratio + 1, 4), (length, length * ratio * 24 / (24 * ratio + 1), 1.0))
     spectrum, dk = noise(grid), grid.wavenumber_resolution
     for n in range(1, 9):
-        shell = shell_at(spectrum, n * dk)
+        shell = shell_at(spectrum, n * dk, water=DEEP)
         expected = oracles.shell_bins(n, grid.shape[:2], ratio)
         assert numbers(shell, grid) == set(expected)
         assert (n + 2, 0) in expected  # on the edge
@@ -69,13 +69,13 @@ def test_every_shell_of_a_truncated_spectrum_is_complete_or_refused():
         keep = np.abs(whole.i) <= reach + 1e-9
         part = Spectrum(grid, "box", whole.i[keep], whole.j[keep], whole.values[np.ix_(keep, keep)])
         for n in (4, 4.5, 5, 5.9, 6):
-            expected = numbers(shell_at(whole, n * dk), grid)  # with the bins on its edge
+            expected = numbers(shell_at(whole, n * dk, water=DEEP), grid)  # with the bins on its edge
             if max(max(bins) for bins in expected) > reach:
                 refused += 1
                 with pytest.raises(LeakrefError, match="larger largest_wavenumber"):
-                    shell_at(part, n * dk)
+                    shell_at(part, n * dk, water=DEEP)
             elif n + 3 <= reach:  # in between it may be refused, but never be incomplete
-                assert numbers(shell_at(part, n * dk), grid) == expected
+                assert numbers(shell_at(part, n * dk, water=DEEP), grid) == expected
     assert 0 < refused < 35
 
 
@@ -91,7 +91,7 @@ def test_a_wave_elsewhere_is_all_that_a_shell_holds_and_that_is_said():
             wave = Components(kx, ky, np.sqrt(modulus), 1.0, rng.uniform(0, 6))
             spectrum = leakage.spectrum(wave, grid, window)
             _, (i, j, _) = spectrum.strongest
-            elsewhere = [k_i for k_i in k if (i, j) not in numbers(shell_at(spectrum, k_i), grid)]
+            elsewhere = [k_i for k_i in k if (i, j) not in numbers(shell_at(spectrum, k_i, water=DEEP), grid)]
             for method in ("nsp", "ls"):
                 for note in analyse(spectrum, elsewhere, method=method, gravity=1.0).notes:
                     judged += 1
@@ -104,16 +104,16 @@ def test_a_wave_in_the_shell_is_no_leakage_floor_and_rounding_is_no_signal():
     kx, _, domega = grid.bin_widths
     wave = Components(6 * kx, 0.0, 5 * domega, 1.0, 0.0)
     spectrum = leakage.spectrum(wave, grid, "hann")
-    own = shell_at(spectrum, 6 * kx)
+    own = shell_at(spectrum, 6 * kx, water=DEEP)
     assert own.floor is None
     assert own.notes(own.magnitude > 0) == Note.NONE
     assert not own.is_empty
-    far = shell_at(leakage.spectrum(wave, grid, "box"), 2 * kx)
+    far = shell_at(leakage.spectrum(wave, grid, "box"), 2 * kx, water=DEEP)
     assert far.is_empty
-    assert shell_at(fourier(np.zeros(grid.shape), grid), 1.0).is_empty
+    assert shell_at(fourier(np.zeros(grid.shape), grid), 1.0, water=DEEP).is_empty
     # a faint wave, ten times above what the strong one may leak there, is a signal
     faint = Components([6 * kx, 2 * kx], [0.0, 0.0], [5 * domega, 9 * domega], [1.0, 1e-3], [0.0, 0.0])
-    shell = shell_at(leakage.spectrum(faint, grid, "hann"), 1.5 * kx, half_width=1)
+    shell = shell_at(leakage.spectrum(faint, grid, "hann"), 1.5 * kx, half_width=1, water=DEEP)
     assert shell.floor is not None
     assert shell.notes(shell.magnitude > 0.5 * shell.magnitude.max()) == Note.NONE
 
@@ -176,7 +176,7 @@ GRID = Grid((16, 12, 8), (0.7, 0.9, 0.5))
 )
 def test_bad_shells_are_refused(wavenumber, settings, fault, remedy):
     with pytest.raises(LeakrefError) as caught:
-        shell_at(noise(GRID), wavenumber, **settings)
+        shell_at(noise(GRID), wavenumber, **{"water": DEEP, **settings})
     assert caught.value.call == "shell_at"
     assert fault in caught.value.fault
     assert remedy in caught.value.remedy
@@ -184,9 +184,9 @@ def test_bad_shells_are_refused(wavenumber, settings, fault, remedy):
 
 def test_the_remedy_for_nyquist_is_one():
     dk, nyquist = GRID.wavenumber_resolution, min(GRID.nyquist[:2])
-    assert shell_at(noise(GRID), (nyquist - 2 * dk) * (1 - 1e-6)).kx.size > 0
+    assert shell_at(noise(GRID), (nyquist - 2 * dk) * (1 - 1e-6), water=DEEP).kx.size > 0
     with pytest.raises(LeakrefError):
-        shell_at(noise(GRID), (nyquist - 2 * dk) * (1 + 1e-6))
+        shell_at(noise(GRID), (nyquist - 2 * dk) * (1 + 1e-6), water=DEEP)
 
 
 @pytest.mark.parametrize(

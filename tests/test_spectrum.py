@@ -47,7 +47,7 @@ def test_every_bin_is_the_direct_sum_with_the_documented_sign(name, shape):
 @pytest.mark.parametrize("grid", RECTANGULAR, ids=str)
 def test_a_wave_on_a_bin_fills_1_27_or_125_bins_and_their_mirror_with_exact_weights(grid, name, weights, route):
     i, j, m = (2, -3, 2) if grid.shape[2] < 12 else (-3, 2, 5)
-    wave, _ = aligned_waves(grid, [(i, j, m)], amplitude=[0.8], phase=[1.1])
+    wave, _ = aligned_waves(grid, [(i, j, m)], amplitude=[0.8], phase=[1.1], gravity=1.0)
     spectrum = fourier(sampled(wave, grid), grid, name) if route == "A" else leakage.spectrum(wave, grid, name)
     expected = np.zeros(grid.shape, dtype=complex)
     for sign in (1, -1):  # the wave at its own +k and +omega, its mirror at -k and -omega; weights overlap near 0
@@ -70,7 +70,7 @@ def test_a_wave_on_a_bin_fills_1_27_or_125_bins_and_their_mirror_with_exact_weig
 def test_a_wave_well_inside_fills_exactly_that_many_bins():
     grid = Grid((16, 18, 20), (0.5, 0.6, 0.7))
     for name, bins in (("box", 1), ("hann", 27), ("blackman", 125)):
-        wave, _ = aligned_waves(grid, [(4, -5, 5)])
+        wave, _ = aligned_waves(grid, [(4, -5, 5)], gravity=1.0)
         power = np.abs(fourier(sampled(wave, grid), grid, name).values)
         assert np.count_nonzero(power > 1e-12 * power.max()) == bins  # the mirror is in the other half
 
@@ -103,7 +103,7 @@ def test_axes_of_a_spectrum_are_those_of_its_bins():
 
 def test_strongest_is_the_largest_bin_by_its_numbers():
     grid = Grid((9, 8, 12), (0.5, 0.7, 0.9))
-    wave, _ = aligned_waves(grid, [(-3, 2, 4)], amplitude=[2])
+    wave, _ = aligned_waves(grid, [(-3, 2, 4)], amplitude=[2], gravity=1.0)
     largest, where = fourier(sampled(wave, grid), grid, "box").strongest
     assert where == (-3, 2, 4)
     assert largest == pytest.approx(9 * 8 * 12, rel=1e-13)

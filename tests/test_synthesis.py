@@ -67,7 +67,7 @@ def test_memory_beside_the_surface_is_bounded(x, y, t, monkeypatch):
 
 def test_waves_repeat_after_the_domain_if_they_are_on_bins():
     grid = Grid((8, 9, 20), (1.0, 0.7, 0.5))
-    waves, _ = aligned_waves(grid, [(1, 2, 3), (-2, 1, 4)])
+    waves, _ = aligned_waves(grid, [(1, 2, 3), (-2, 1, 4)], gravity=1.0)
     x, y, t = (grid.samples(a) for a in range(3))
     moved = synthesize(waves, x + grid.lengths[0], y - 2 * grid.lengths[1], t + grid.lengths[2])
     np.testing.assert_allclose(moved, synthesize(waves, x, y, t), rtol=0, atol=2e-14)

@@ -21,7 +21,7 @@ def test_there_are_enough_and_each_says_what_it_deserves():
 @pytest.mark.parametrize("identifier", VARIANTS)
 def test_a_variant_finds_the_current_of_aligned_waves_and_is_another_code(identifier):
     grid = leakref.Grid((28, 34, 48), (0.9, 0.7, 0.9))
-    waves, current = leakref.aligned_waves(grid, [(5, 3, 10), (-2, 5, 9)])
+    waves, current = leakref.aligned_waves(grid, [(5, 3, 10), (-2, 5, 9)], gravity=1.0)
     surface = leakref.synthesize(waves, *(grid.samples(axis) for axis in range(3)))
     subject = InProcess(implementation(identifier))
     assert subject.declaration.name == f"variant:{identifier}"

@@ -43,12 +43,12 @@ mpf = oracle.mpf
 # S k0^2 / g of clean water, 7.28e-5 m3/s2, where the peak is 10, 5 and 2 cm long
 TENSION = {10: 0.0293, 5: 0.117, 2: 0.732}
 WATERS = {
-    "0.7": Water(depth=0.7),
-    "1.2": Water(depth=1.2),
-    "2": Water(depth=2.0),
-    "10cm": Water(surface_tension=TENSION[10], depth=0.7),
-    "5cm": Water(surface_tension=TENSION[5], depth=1.2),
-    "2cm": Water(surface_tension=TENSION[2]),
+    "0.7": Water(1.0, depth=0.7),
+    "1.2": Water(1.0, depth=1.2),
+    "2": Water(1.0, depth=2.0),
+    "10cm": Water(1.0, surface_tension=TENSION[10], depth=0.7),
+    "5cm": Water(1.0, surface_tension=TENSION[5], depth=1.2),
+    "2cm": Water(1.0, surface_tension=TENSION[2]),
 }
 GRIDS = {  # no two sides alike: oblong and even, odd, prime
     "oblong": Grid((40, 56, 64), (0.8, 0.62, 0.45)),
@@ -111,7 +111,7 @@ def test_without_bottom_and_tension_it_is_deep_water_bit_for_bit():
         assert np.array_equal(water.group_velocity(k), np.sqrt(g / k) / 2)
         assert np.array_equal(water.density_factor(k), k**-1.5 * float(np.sqrt(g)))
         assert np.array_equal(water.depth_factor(k), np.ones(k.size))
-    for deep in (Water(depth=1e5), Water(depth=1e60)):  # nothing beside 1 is left of the bottom
+    for deep in (Water(1.0, depth=1e5), Water(1.0, depth=1e60)):  # nothing beside 1 is left of the bottom
         for name in ("frequency", "phase_velocity", "group_velocity", "density_factor", "depth_factor"):
             assert np.array_equal(getattr(deep, name)(k), getattr(DEEP, name)(k)), name
 
@@ -155,7 +155,7 @@ BAD += [("gravity", value) for value in (0, -9.81, np.nan, np.inf, "9.81", True)
 @pytest.mark.parametrize(("name", "value"), BAD)
 def test_what_is_no_depth_tension_or_gravity_is_refused(name, value):
     with pytest.raises(LeakrefError, match=rf"^Water: {name} ") as refused:
-        Water(**{name: value})
+        Water(**{"gravity": 1.0, name: value})
     assert refused.value.remedy
     if name != "gravity":
         with pytest.raises(LeakrefError, match=rf"^Water: {name} "):
@@ -205,8 +205,8 @@ def as_profile(current, z):
 def test_closed_forms_are_the_quadrature_of_the_profile(name, depth):
     current, _ = PROFILES[name]
     with np.errstate(over="raise", invalid="raise", divide="raise"):
-        closed = current.doppler_shift_velocity(KS, Water(depth=depth))
-        integral = ProfileCurrent(partial(as_profile, current)).doppler_shift_velocity(KS, Water(depth=depth))
+        closed = current.doppler_shift_velocity(KS, Water(1.0, depth=depth))
+        integral = ProfileCurrent(partial(as_profile, current)).doppler_shift_velocity(KS, Water(1.0, depth=depth))
     np.testing.assert_allclose(integral, closed, rtol=0, atol=1e-12)
 
 
@@ -214,7 +214,7 @@ def test_closed_forms_are_the_quadrature_of_the_profile(name, depth):
 @pytest.mark.parametrize("name", PROFILES)
 def test_closed_forms_are_the_integral_of_the_oracle(name, depth):
     current, profile = PROFILES[name]
-    closed = current.doppler_shift_velocity(KS[1:2], Water(depth=depth))
+    closed = current.doppler_shift_velocity(KS[1:2], Water(1.0, depth=depth))
 
     @oracle.at_digits
     def exactly():
@@ -228,22 +228,22 @@ def test_closed_forms_are_the_integral_of_the_oracle(name, depth):
 def test_far_above_the_bottom_the_shift_is_that_of_deep_water(name):
     current, _ = PROFILES[name]
     deep = current.doppler_shift_velocity(KS)
-    assert np.array_equal(current.doppler_shift_velocity(KS, Water(depth=np.inf, surface_tension=0.3)), deep)
+    assert np.array_equal(current.doppler_shift_velocity(KS, Water(1.0, depth=np.inf, surface_tension=0.3)), deep)
     for depth in (400.0, 1e4, 1e60):
-        far = current.doppler_shift_velocity(KS, Water(depth=depth))
+        far = current.doppler_shift_velocity(KS, Water(1.0, depth=depth))
         rest = (
             1.0 if name != "thick" else 1 / -np.expm1(-2 * KS[:, None] * depth - depth / current.depth)
         )  # all is in h
         np.testing.assert_allclose(far * rest, deep, rtol=2e-15, atol=1e-16)
     assert np.array_equal(
-        ProfileCurrent(partial(as_profile, current)).doppler_shift_velocity(KS, Water(depth=1e60)),
+        ProfileCurrent(partial(as_profile, current)).doppler_shift_velocity(KS, Water(1.0, depth=1e60)),
         ProfileCurrent(partial(as_profile, current)).doppler_shift_velocity(KS),
     )
 
 
 @pytest.mark.parametrize("depth", [1e-3, 0.7, 2.0, 1e4, np.inf])
 def test_the_weight_over_depth_adds_up_to_one_and_is_the_cosh_of_the_equation(depth):
-    water = Water(depth=depth)
+    water = Water(1.0, depth=depth)
     for k in (0.3, 2.3):
         bottom = min(depth, 20 / k)
         total = quad(lambda z, k=k: float(weight(k, z, water)), -bottom, 0, epsabs=1e-13, epsrel=1e-13)[0]
@@ -258,7 +258,7 @@ def test_the_weight_over_depth_adds_up_to_one_and_is_the_cosh_of_the_equation(de
                 return float(2 * k * mp.cosh(2 * k * (z + mpf(depth))) / mp.sinh(2 * k * mpf(depth)))
 
             assert float(weight(k, z, water)) == pytest.approx(exactly(), rel=4e-16 * max(5, 4 * k * bottom))
-    assert weight(1.0, 0.0, Water(depth=1e-3)) == pytest.approx(1e3, rel=2e-6)  # 1 / h (1 + (2 k h)^2 / 3)
+    assert weight(1.0, 0.0, Water(1.0, depth=1e-3)) == pytest.approx(1e3, rel=2e-6)  # 1 / h (1 + (2 k h)^2 / 3)
 
 
 class Own:
@@ -334,7 +334,7 @@ def test_the_energy_of_a_sea_is_the_integral_of_its_spectrum_over_frequencies(wa
 
 
 def test_a_sea_far_above_the_bottom_is_that_of_deep_water():
-    deep, far = (seas(water) for water in (DEEP, Water(depth=1e5)))
+    deep, far = (seas(water) for water in (DEEP, Water(1.0, depth=1e5)))
     for name in ("kx", "ky", "omega", "amplitude", "phase"):
         assert np.array_equal(getattr(deep, name), getattr(far, name)), name
     for water in WATERS.values():  # the same waves and phases in every water, with its own energy and frequency
@@ -392,7 +392,7 @@ def test_the_fast_path_is_the_chain_on_the_grid_of_the_paper(water):
 
 def test_what_is_beyond_reach_is_measured_by_the_waves_of_this_water_in_chain_and_fast_path():
     """A current of 0.75 c0 is within 1.2 c0, but not within 1.2 of the phase velocity at the peak, 0.54 c0."""
-    water, grid = Water(depth=0.3), GRIDS["odd"]
+    water, grid = Water(1.0, depth=0.3), GRIDS["odd"]
     waves = seas(water, 2, 5, 90, (0.0, 0.75))
     twin = fast.realize(waves, grid, K[1:], windows=("hann",), methods=("nsp",), water=water)["hann", "nsp"]
     (spectrum,) = transform(waves, grid, ("hann",), route="B")
@@ -479,7 +479,7 @@ TRIAL = {
 
 @pytest.mark.parametrize("depth", TRIAL)
 def test_a_current_is_recovered_with_the_depth_known_and_not_if_deep_water_is_assumed(depth):
-    water, errors = Water(depth=depth), {}
+    water, errors = Water(1.0, depth=depth), {}
     for realization in range(12):
         waves = seas(water, realization, 5, 90, (0.0, 0.0))
         for assumed in (water, DEEP):
@@ -492,7 +492,7 @@ def test_a_current_is_recovered_with_the_depth_known_and_not_if_deep_water_is_as
 
 @pytest.mark.parametrize("depth", [0.7, 1.2])
 def test_a_sheared_current_shifts_waves_as_its_kernel_above_the_bottom_says(depth):
-    water, current = Water(depth=depth), LinearCurrent((0.1, 0.05), (0.0, 0.4))
+    water, current = Water(1.0, depth=depth), LinearCurrent((0.1, 0.05), (0.0, 0.4))
     truth = current.doppler_shift_velocity(np.array(K), water)
     off = []
     for realization in range(8):
@@ -550,7 +550,7 @@ def test_velocities_are_the_same_in_other_units(scales):
 def test_configurations_and_ensembles_have_a_water(tmp_path):
     made = Configuration("depth", length=5, duration=10, depth=0.7, surface_tension=0.1, varied=("depth",))
     assert made.id == "depth/kh=0.7"
-    assert made.water == Water(depth=0.7, surface_tension=0.1)
+    assert made.water == Water(1.0, depth=0.7, surface_tension=0.1)
     assert Configuration("any").water == DEEP
     assert made.grid == replace(made, depth=np.inf).grid  # the same samples in every water
     sea = SeaState(length=5, water=made.water).components(1)

@@ -24,6 +24,7 @@ from leakref import fast, kept, leakage, leastsquares, nsp, runs, sources
 from leakref._base import FloatArray, LeakrefError
 from leakref.cases import Configuration
 from leakref.chain import analyse
+from leakref.dispersion import DEEP
 from leakref.ensemble import Ensemble
 from leakref.methods import METHODS
 from leakref.paper.inferred import Depths
@@ -226,9 +227,9 @@ def _timed(configuration: Configuration, repeats: int = 3) -> dict[str, FloatArr
     a = nsp.WIDTH * configuration.grid.frequency_resolution
     seconds: dict[str, FloatArray] = {}
     with runs.one_thread():
-        shells = [shell_at(spectrum, k_i) for k_i in k]
+        shells = [shell_at(spectrum, k_i, water=DEEP) for k_i in k]
         for name, work in (
-            ("shell", lambda i: shell_at(spectrum, float(k[i]))),
+            ("shell", lambda i: shell_at(spectrum, float(k[i]), water=DEEP)),
             ("nsp", lambda i: nsp.optimum(shells[i], a, 1.0, search=False)),
             ("ls", lambda i: leastsquares.optimum(shells[i])),
             ("ls by Nelder-Mead", lambda i: _least_squares_by_simplex(shells[i])),

@@ -285,7 +285,7 @@ def realize(
     *,
     windows: Sequence[str] = ("box", "hann"),
     methods: Sequence[str] = ("nsp", "ls"),
-    gravity: float = 1.0,
+    gravity: float | None = None,
     water: Water | None = None,
     peak_wavenumber: float | None = 1.0,
     width: float = nsp.WIDTH,
@@ -310,7 +310,7 @@ def realize(
         raise LeakrefError(
             "realize", f"threshold = {threshold}", "give a part of the largest power, above 0 and at most 1"
         )
-    water = law("realize", None if water is not None else gravity, water)
+    water = law("realize", gravity, water)
     settings = {"peak_wavenumber": peak_wavenumber, "width": width, "search": search, "threshold": threshold}
     dk, inside = grid.wavenumber_resolution, min(grid.nyquist[:2]) * (1 - EDGE_MARGIN)
     waves = float(np.hypot(components.kx, components.ky).max()) + dk

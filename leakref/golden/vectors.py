@@ -77,7 +77,7 @@ def on_grid(grid: Grid, window: str = "hann", gravity: float = 1.0) -> dict[str,
 
 def aligned(grid: Grid, *bins: tuple[int, int, int], **how: Any) -> dict[str, Any]:
     """One or two waves exactly on bins."""
-    waves, _ = aligned_waves(grid, bins, **how)
+    waves, _ = aligned_waves(grid, bins, **(how if "water" in how else {"gravity": 1.0, **how}))
     return {name: getattr(waves, name).tolist() for name in ("kx", "ky", "omega", "amplitude", "phase")}
 
 

@@ -71,7 +71,7 @@ def _without_window(grid: Grid, water: Water) -> dict[str, Any]:
     return {name: value for name, value in _on(grid, water).items() if name != "window"}
 
 
-BOTTOM = {depth: Water(depth=depth) for depth in DEPTHS}
+BOTTOM = {depth: Water(1.0, depth=depth) for depth in DEPTHS}
 CAPILLARY, FILM, LAKE = Water(9.81, surface_tension=TENSION), Water(9.81, 0.012, TENSION), Water(9.81, 4.2)
 
 

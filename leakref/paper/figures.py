@@ -14,7 +14,7 @@ from typing import Any
 from leakref._base import FloatArray
 from leakref._output import console, dump, envelope, folder
 from leakref.cases import PAPER_CASES, REALIZATIONS, Configuration
-from leakref.dispersion import velocity_resolutions
+from leakref.dispersion import DEEP, velocity_resolutions
 from leakref.ensemble import statistics_record
 from leakref.figures import Result, result_figure, save
 from leakref.golden.sets import Golden, locate
@@ -52,7 +52,7 @@ class Stored:
     def resolutions(self) -> tuple[FloatArray, FloatArray]:
         """eq:dcdwk from frequency and from wavenumber, (n,) each."""
         grid = self.configuration.grid
-        return velocity_resolutions(self.wavenumbers, grid.wavenumber_resolution, grid.frequency_resolution)
+        return velocity_resolutions(self.wavenumbers, grid.wavenumber_resolution, grid.frequency_resolution, water=DEEP)
 
     def record(self) -> dict[str, Any]:
         """As an Ensemble's, in the JSON of `leakref reproduce` (guide protocol, section 14)."""

@@ -219,7 +219,7 @@ def _by_reference(name: str, realization: int) -> FloatArray:
     cube = shown.cube(realization)
     with runs.one_thread():
         found = fast.realize(
-            cube.components, cube.grid, cube.wavenumbers, windows=shown.windows, methods=tuple(METHODS)
+            cube.components, cube.grid, cube.wavenumbers, windows=shown.windows, methods=tuple(METHODS), gravity=1.0
         )
     return np.array([[np.hypot(*(found[w, m].velocities - cube.truth).T) for m in METHODS] for w in shown.windows])
 

@@ -47,7 +47,9 @@ def errors_of(name: str) -> dict[str, Any]:
     errors: dict[str, list[float]] = {"nsp": [], "ls": []}
     for number in range(_STORED):
         cube = inputs.sea(given["direction"], given["spread"], current, realization=10_000 + number)
-        answers = fast.realize(cube.components, cube.grid, cube.wavenumbers, windows=("hann",), methods=tuple(errors))
+        answers = fast.realize(
+            cube.components, cube.grid, cube.wavenumbers, windows=("hann",), methods=tuple(errors), gravity=1.0
+        )
         for method, found in errors.items():
             answer = answers["hann", method]
             clear = np.array([not note for note in answer.notes])

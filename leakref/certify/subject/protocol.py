@@ -223,7 +223,7 @@ class ProcessSubject(Subject):
         """
         nx, ny, nt = (max(pair) for pair in zip((16, 12, 10), self.declaration.smallest, strict=True))
         grid = Grid((nx, ny, nt), (0.9, 0.9 if "dy" in self.declaration.untold else 1.1, 0.8))
-        waves, _ = aligned_waves(grid, [(3, 1, 2), (1, 2, 2)])
+        waves, _ = aligned_waves(grid, [(3, 1, 2), (1, 2, 2)], gravity=1.0)
         axes = [grid.samples(axis) for axis in range(3)]
         declared = self.declaration
         try:

@@ -63,7 +63,7 @@ def _factors_by_oracle(given: Input, _: Output) -> Output:
 
 def _units(given: Input) -> Output:
     scales = Scales(given["peak_wavenumber"], given["gravity"])
-    there = Water(depth=given["depth"], surface_tension=given["surface_tension"]).to_units(scales)
+    there = Water(1.0, depth=given["depth"], surface_tension=given["surface_tension"]).to_units(scales)
     again = there.to_scaled(scales)
     return {
         "depth": there.depth,
