@@ -57,8 +57,8 @@ DECISIONS = _register(
     ("What is dk where the domain is not square?", "The larger of dkx and dky, so that a shell is closed in both "
      "directions.", "grid.Grid.wavenumber_resolution"),
     ("In which unit of velocity does Nelder-Mead start, where the peak is not known?", "c0 of the given peak "
-     "wavenumber; else 1 if gravity is 1 (scaled units), else the phase velocity at the shell's own wavenumber, which "
-     "is the same at every scale.", "dispersion.velocity_unit"),
+     "wavenumber; else 1 if gravity is 1 and k from 1/4 to 4 (scaled units), else the phase velocity at the "
+     "shell's own wavenumber, which is the same at every scale.", "dispersion.velocity_unit"),
     ("Which values within the ranges of the table (U 0...0.15, spread 15...60, gamma 1...7)?", "U 0, 0.025, 0.075, "
      "0.15; spread 15, 30, 45, 60; gamma 1, 3.3, 7; theta0 60, 75, 90 as in the text.", "cases.CASES"),
     ("In which sense is a video rotated?", "The sea turns anticlockwise. The other sense is its mirror image, with the "
@@ -85,8 +85,12 @@ DECISIONS = _register(
     ("Which sea and domain has case depth, which the paper does not have?", "The paper's own: theta0 90, spread 60, "
      "gamma 3.3, L = 10, T = 20, at k0 h 0.7, 1, 1.5 and 2. Samples, lattice and phases are those of the paper's deep "
      "water, so that only the bottom differs, and 100 realisations of all take two minutes.", "cases.CASES"),
+    ("How is a depth inferred along with the current, which the paper leaves open?", "N of eq:normSp over (cx, cy, "
+     "h), the mean over the bins of a shell, or of a whole band with one current and one depth. k h is looked for from "
+     "pi / 10 of the shortest waves to pi of the longest, the usual limits of shallow and deep water; the highest "
+     "maximum within counts, others are noted; where N hardly depends on h there is none.", "depth.infer"),
 )
-"""Every decision by id, D1 to D19 as first laid down, those after as they were found, D26 to D31 of other water."""
+"""Every decision by id, D1 to D19 as first laid down, those after as they were found, D26 to D32 of other water."""
 SLIPS = {
     "printed-branch": "over the whole space N is then the same for c and -c, and where waves are swept backwards the "
     "current is lost",

@@ -244,7 +244,7 @@ NONE: dict[str, str] = {
     "D22": "says which seas are run, not how",
     "D24": "no shell of the paper reaches the Nyquist wavenumber",
     "D25": "every shell of the paper has a number under NSP; see the variants of D7 for LS",
-    **dict.fromkeys(("D26", "D27", "D28", "D29", "D30", "D31"),
+    **dict.fromkeys(("D26", "D27", "D28", "D29", "D30", "D31", "D32"),
                     "all water of the paper is deep, without surface tension"),
 }
 """Decisions that move no velocity of the paper's cases by construction, and why."""
