@@ -21,6 +21,7 @@ from leakref.claims.evidence import Evidence
 from leakref.claims.shifts import Altered, NotCovered
 from leakref.depthscore import depth_resolutions, derivatives
 from leakref.dispersion import DEEP, Water
+from leakref.golden import beside
 from leakref.paper import inferred as depths
 from leakref.paper import inferredfigure, inferredtables, reproduce
 from leakref.shell import Note, shell_at
@@ -376,3 +377,44 @@ def test_the_claim_takes_what_is_kept_and_no_decision_is_judged_by_it(tmp_path):
     assert len(list(tmp_path.rglob("*.npz"))) == 2
     with pytest.raises(NotCovered):
         Altered(evidence).depths(SMALL)
+
+
+# ---------------------------------------------------------------- what is kept in golden/
+
+
+def kept_records():
+    return beside.read("inferred_depth.json")["depths"]
+
+
+def test_what_is_kept_is_of_a_hundred_seas_at_each_depth():
+    records = kept_records()
+    assert [(r["kh"], r["window"], r["current"]) for r in records] == [
+        (kh, window, current) for kh in depths.DEPTHS for window in ("box", "hann") for current in depths.CURRENTS
+    ]
+    assert {r["realizations"] for r in records} == {100}
+    by = {(r["kh"], r["window"], r["current"]): r for r in records}
+    assert abs(by[1.0, "hann", "along"]["band"]["bias"]) < 0.03 < by[2.0, "hann", "along"]["band"]["bias"]
+    assert by[2.0, "box", "along"]["band"]["count"] == 0  # and then there is no number
+    assert by[2.0, "box", "along"]["band"]["bias"] is None
+
+
+@pytest.mark.parametrize(
+    ("kh", "window", "route"),
+    [
+        (1.0, "hann", "B"),
+        pytest.param(0.7, "box", "B", marks=pytest.mark.slow),
+        pytest.param(1.5, "hann", "A", marks=pytest.mark.slow),
+    ],
+)
+def test_what_is_kept_is_what_the_plain_chain_finds(kh, window, route):
+    """Sea by sea, by the whole spectrum in closed form or by surface and FFT, in place of the fast path."""
+    c = depths.domain(kh)
+    reach = 3.5 + 3 * c.grid.wavenumber_resolution
+    (spectrum,) = transform(c.components(1), c.grid, (window,), route=route, largest_wavenumber=reach)
+    shells = depths.WAVENUMBERS[[1, 4, 7]]
+    for record in (r for r in kept_records() if (r["kh"], r["window"]) == (kh, window)):
+        how = {"gravity": 1.0, "current": (0.0, 0.0) if record["current"] == "known" else None}
+        band = depth.infer_band(spectrum, 0.4, 3.5, peak_wavenumber=1.0, **how).depths
+        each = depth.infer_shells(spectrum, shells, peak_wavenumber=1.0, **how).depths
+        golden = np.array(record["first"][1], dtype=float)
+        np.testing.assert_allclose([*each, *band], golden[[1, 4, 7, depths.BAND]], rtol=1e-8)
