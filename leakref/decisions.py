@@ -57,8 +57,8 @@ DECISIONS = _register(
     ("What is dk where the domain is not square?", "The larger of dkx and dky, so that a shell is closed in both "
      "directions.", "grid.Grid.wavenumber_resolution"),
     ("In which unit of velocity does Nelder-Mead start, where the peak is not known?", "c0 of the given peak "
-     "wavenumber; else 1 if gravity is 1 and k from 1/4 to 4 (scaled units), else the phase velocity at the "
-     "shell's own wavenumber, which is the same at every scale.", "dispersion.velocity_unit"),
+     "wavenumber; else 1 if gravity is 1 (scaled units), else the phase velocity at the shell's own wavenumber, which "
+     "is the same at every scale.", "dispersion.velocity_unit"),
     ("Which values within the ranges of the table (U 0...0.15, spread 15...60, gamma 1...7)?", "U 0, 0.025, 0.075, "
      "0.15; spread 15, 30, 45, 60; gamma 1, 3.3, 7; theta0 60, 75, 90 as in the text.", "cases.CASES"),
     ("In which sense is a video rotated?", "The sea turns anticlockwise. The other sense is its mirror image, with the "

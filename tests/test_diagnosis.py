@@ -14,7 +14,8 @@ from leakref.certify.runner import run_checks, select
 from leakref.certify.strength import faults, replays, study
 from leakref.certify.strength.diagnosis import ENOUGH, departure, diagnose, explain
 from leakref.certify.strength.faults import FAULTS, implementation
-from leakref.certify.strength.symptoms import other_maxima, symptoms
+from leakref.certify.strength.maxima import other_maxima
+from leakref.certify.strength.symptoms import symptoms
 from leakref.certify.subject.inprocess import InProcess
 from leakref.chain import reference
 

@@ -25,7 +25,7 @@ SEA = {"direction": 40.0, "spread": 60.0, "current": UniformCurrent((0.2, -0.1))
 
 
 def drawn(seed: int, make=lambda: inputs.sea(**SEA)) -> inputs.Cube:
-    with inputs.asked(square=False, seed=seed):
+    with inputs.asked(InProcess(reference), seed):
         return make()
 
 
@@ -51,7 +51,7 @@ def test_other_seeds_ask_of_other_water_and_the_published_one_of_what_is_publish
 
 def test_a_question_does_not_depend_on_what_was_asked_before():
     alone = drawn(9, pair).surface
-    with inputs.asked(square=False, seed=9):
+    with inputs.asked(InProcess(reference), 9):
         scattered(), inputs.sea(**SEA), inputs.sea(**SEA, grid=inputs.BRIEF)
         np.testing.assert_array_equal(pair().surface, alone)
 
@@ -342,7 +342,7 @@ def test_what_least_squares_errs_by_in_a_sea_excuses_no_slip_of_sign(slip):
 @pytest.mark.parametrize(("factor", "verdict"), [(1.0, "pass"), (1.4, "pass"), (1.6, "fail")])
 def test_of_a_change_with_wavenumber_half_as_much_again_is_allowed_and_no_more(factor, verdict):
     """A sea in which the reference's least squares is off by nine tenths of the change that there is."""
-    with inputs.asked(square=False, seed=6):
+    with inputs.asked(InProcess(reference), 6):
         truth = shear._cube(Case("linear")).truth
     code = Changed("ls", lambda c: truth + factor * (c - truth))
     assert verdict_of("shear.slope[linear]", 6, code) == verdict

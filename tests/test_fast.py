@@ -24,10 +24,11 @@ UNSAFE = Note.ANOTHER_BASIN | Note.EDGE | Note.FLAT | Note.THRESHOLD
 
 def assert_same(components, grid, k, *, windows=("box", "hann"), reach=None, unit=1.0, **settings):
     """Compare with the plain chain shell by shell, and return the notes of all shells."""
+    settings.setdefault("gravity", 1.0)
     found = realize(components, grid, k, windows=windows, **settings)
     assert list(found) == [(window, method) for window in windows for method in METHODS]
     own = {"nsp": {"width", "half_width", "search", "peak_wavenumber"}, "ls": {"threshold", "half_width"}}
-    gravity = settings.pop("gravity", 1.0)
+    gravity = settings.pop("gravity")
     settings.setdefault("peak_wavenumber", 1.0)
     notes = []
     for window in windows:
@@ -143,7 +144,7 @@ def assert_same_or_same_refusal(case):
         assert_same(waves, grid, k, windows=("box", "hann", "blackman", "kaiser-bessel"), **settings)
     else:
         with pytest.raises(LeakrefError) as other:
-            realize(waves, grid, k, **settings)
+            realize(waves, grid, k, **{"gravity": 1.0, **settings})
         assert other.value.fault == refusal
 
 
@@ -246,7 +247,7 @@ def test_same_input_same_bits_and_untouched():
 def test_refusals(arguments, message):
     arguments = {"wavenumbers": [1.0], **arguments}
     with pytest.raises(LeakrefError, match=message):
-        realize(SeaState(length=5).components(0), SMALL, **arguments)
+        realize(SeaState(length=5).components(0), SMALL, **{"gravity": 1.0, **arguments})
 
 
 @pytest.mark.slow

@@ -23,7 +23,7 @@ from leakref._output import envelope, plain
 from leakref.certify.checks.draw import PUBLISHED
 from leakref.certify.checks.registry import FAMILIES
 from leakref.certify.subject.declaration import Declaration
-from leakref.certify.subject.frames import OWN
+from leakref.certify.subject.frames import OWN, waves_in_words
 from leakref.certify.verdict import WRONG, Finding, Known, Verdict
 from leakref.dispersion import Water
 
@@ -239,6 +239,8 @@ class Certificate:
         words = [self.grade or NO_GRADE]
         if stages and not self.offers("extract"):
             words.append(f"{' and '.join(stages)} only")
+        if waves := waves_in_words(Declaration.read(self.declaration)):
+            words.append(f"in {waves}")
         if self.only:
             words.append(f"asked only {', '.join(self.only)}")
         if known := len(self.wrong) - len(self.unexpected):
@@ -321,11 +323,9 @@ def _water_in_words(scope: Mapping[str, Any], si: bool) -> str:
         low, high = (f"{value:.3g}" for value in scope["depths"])
         finite = f"depths of {low} to {high}{unit}" if low != high else f"a depth of {low}{unit}"
         depth = f"Deep water and {finite}" if scope["depth"] == "deep and finite" else f"Water of {finite}"
-    tension = scope["surface_tension"]
-    if not tension:
-        return f"{depth}, no surface tension"
     waves = f" m3/s2 (waves of {scope['ripples']:.2g} m)" if si else " g / k0^2"
-    return f"{depth}, surface tension up to {tension:.2g}{waves}"
+    tension = f"surface tension up to {scope['surface_tension']:.2g}{waves}"
+    return f"{depth}, {tension if scope['surface_tension'] else 'no surface tension'}"
 
 
 def schema() -> dict[str, Any]:

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from time import perf_counter
+from typing import Any
 
 from rich.console import Console
 from rich.markup import escape
@@ -30,6 +31,7 @@ from leakref.certify.subject.protocol import ProcessSubject
 from leakref.certify.targets import HarnessBroken, Limits, connect
 from leakref.certify.verdict import Verdict, read_known
 from leakref.golden.sets import NEWEST, locate
+from leakref.planning.quantities import quantity
 
 __all__ = ["Request", "run", "show_list", "show_schema"]
 
@@ -56,6 +58,7 @@ class Request:
     - `timeout`, `start`: seconds for one run and for the start; None leaves the defaults of `Limits`.
     - `memory`: GiB, of the program with all it has started; `workers`: sessions side by side.
     - `deep`: whether pairs of faults are tried in the diagnosis; `diagnosis`: whether there is to be one at all.
+    - `waves`: the shortest and the longest that the code is made for, as typed, in place of what it declares.
     - `seed`: of the questions that are drawn, as typed: a number, or `fresh` for one of the machine's choice.
     """
 
@@ -74,6 +77,20 @@ class Request:
     start: float | None = None
     seed: str = str(PUBLISHED)
     diagnosis: bool = True
+    waves: str | None = None
+
+    @property
+    def given_waves(self) -> dict[str, Any]:
+        """What `waves`, such as 0.5m:4m, is in a declaration; nothing if it was not given. Raises LeakrefError."""
+        if self.waves is None:
+            return {}
+        ends = self.waves.split(":")
+        if len(ends) != 2:
+            raise LeakrefError("certify", f"--waves {self.waves} are not two wavelengths", "write --waves 0.5m:4m")
+        short, long = (quantity("certify", "--waves", end, "m", "0.5m:4m") for end in ends)
+        if not 0 < short < long:
+            raise LeakrefError("certify", f"--waves {self.waves} do not go from short to long", "write --waves 0.5m:4m")
+        return {"peak_wavelength": [short, long]}
 
 
 def seed_of(given: str) -> int:
@@ -137,7 +154,7 @@ def run(request: Request, *, json: bool = False) -> int:
         request.timeout, request.start, request.memory, run=600.0 if request.profile == "full" else 120.0
     )
     sessions = [
-        connect(request.target, command, limits=limits, keep=request.keep)
+        connect(request.target, command, limits=limits, keep=request.keep, waves=request.given_waves)
         for _ in range(min(max(1, request.workers), len(checks)))
     ]
     name = request.target or str(request.command)
@@ -166,10 +183,13 @@ def run(request: Request, *, json: bool = False) -> int:
     try:
         if found.wrong and request.diagnosis:
             with progress_bar("faults and repairs tried on what fell short", None) as step:
-                again = connect(request.target, command, limits=limits)  # that of the checks has ended
+                again = connect(
+                    request.target, command, limits=limits, waves=request.given_waves
+                )  # the first has ended
                 found = explain(found, again, deep=request.deep, after_each=step)
         if request.profile == "full" and found.grade is not None and not request.only:
-            found, pictures = _biased(found, connect(request.target, command, limits=limits))
+            session = connect(request.target, command, limits=limits, waves=request.given_waves)
+            found, pictures = _biased(found, session)
     except KeyboardInterrupt:  # what has been found is not lost
         found = replace(found, cut_short="interrupted when all had been asked, before it was looked into further")
     found = replace(found, seconds=perf_counter() - start)
@@ -194,6 +214,7 @@ def _named(found: Certificate, request: Request) -> Certificate:
     """With what was asked for in the lines that show a finding, or all of it, again, quoted as a shell needs it."""
     said = shlex.quote(request.target) if request.target else f"--command {shlex.quote(str(request.command))}"
     only = "".join(f" --only {shlex.quote(one)}" for one in request.only)
+    only += f" --waves {shlex.quote(request.waves)}" if request.waves else ""
     return replace(
         found,
         findings=[replace(f, repro=f.repro.replace("TARGET", said)) for f in found.findings],

@@ -107,7 +107,12 @@ def _declared(said: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         yield name, str(said[name])
     yield "fixed", ", ".join(said["fixed"]) or "nothing"
     if said.get("cube"):
-        yield "smallest cube", " x ".join(map(str, said["cube"]["smallest"])) + " samples along x, y, t"
+        for name, value in said["cube"].items():
+            sizes = f"{value} samples along each axis" if name == "multiple" else " x ".join(map(str, value))
+            yield f"cube: {name}", sizes + " samples along x, y, t" * (name != "multiple")
+    for name, value in (said.get("waves") or {}).items():
+        words = "{:g} to {:g} m".format(*value) if name == "peak_wavelength" else f"{value:g} m/s"
+        yield {"peak_wavelength": "waves", "fastest": "fastest current"}[name], words
     for name, value in (said.get("water") or {}).items():
         yield name.replace("_", " "), "given with each run" if value == GIVEN else f"{value:.4g}, in the code"
     for stage, what in said["can"].items():

@@ -10,7 +10,7 @@ from __future__ import annotations
 import importlib
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -73,12 +73,14 @@ def connect(
     *,
     limits: Limits | None = None,
     keep: Path | None = None,
+    waves: Mapping[str, Any] | None = None,
 ) -> ProcessSubject:
     """The context in which a Python `target` (`targets.load`) or a `command`, an argument list, is judged, run here.
 
     It is started on entry, where LeakrefError is raised if that cannot be, and HarnessBroken if it does not answer.
 
-    `limits` are of time and memory, `keep` is a folder in which the exchanged files stay. A Python target gets
+    `limits` are of time and memory, `keep` is a folder in which the exchanged files stay, `waves` go before those that
+    the code declares. A Python target gets
     `Limits.start` seconds for the import of leakref itself before its own start begins to count. LeakrefError is raised
     here, too, if both or neither of `target` and `command` are given.
     """
@@ -89,6 +91,6 @@ def connect(
             "give package.module:object, reference, fault:ID or variant:ID, or a command",
         )
     if command:
-        return ProcessSubject(command, limits=limits, keep=keep)
+        return ProcessSubject(command, limits=limits, keep=keep, waves=waves)
     worker = [sys.executable, "-m", "leakref.certify.worker", str(target), "tell-when-loading"]
-    return ProcessSubject(worker, limits=limits, keep=keep, loading=Limits.start)
+    return ProcessSubject(worker, limits=limits, keep=keep, loading=Limits.start, waves=waves)

@@ -39,6 +39,9 @@ def certify(
     start_timeout: StartTimeout = None,
     memory: Annotated[float, typer.Option(min=0.01, help="GiB that the program may hold.")] = 8.0,
     workers: Annotated[int, typer.Option(min=0, help="Sessions side by side; 0: one for each core.")] = 0,
+    waves: Annotated[
+        str | None, typer.Option(metavar="SHORT:LONG", help="Waves that it is made for, 0.5m:4m: asked in these.")
+    ] = None,
     keep: Annotated[Path | None, typer.Option(help="Keep what is exchanged with the program in this folder.")] = None,
     deep: Annotated[bool, typer.Option("--deep", help="Diagnosis: try pairs of faults as well (minutes).")] = False,
     diagnosis: Annotated[bool, typer.Option(help="Have failures explained.")] = True,
@@ -77,6 +80,7 @@ def certify(
             start_timeout,
             seed,
             diagnosis,
+            waves,
         ),
         json=json,
     )

@@ -121,6 +121,10 @@ def each_method(subject: Subject, judge: Callable[[str], Outcome], without: tupl
 
 def ask(subject: Subject, cube: Cube, window: str, method: str) -> tuple[FloatArray, npt.NDArray[np.bool_]]:
     """Velocities (n, 2) of a cube at its wavenumbers, and which of them were answered (n,)."""
+    speed = float(np.hypot(*cube.truth.T).max())
+    if speed > subject.shown_as.fastest(cube.scale):
+        limit = subject.shown_as.waves["fastest"]
+        raise Unanswered(Verdict.UNSUPPORTED, f"is made for currents up to {limit:g} m/s")
     found = subject.extract(
         cube.surface,
         cube.spacing,
@@ -130,7 +134,7 @@ def ask(subject: Subject, cube: Cube, window: str, method: str) -> tuple[FloatAr
         scale=cube.scale,
         water=cube.water,
     )
-    subject.fastest = max(subject.fastest, float(np.hypot(*cube.truth.T).max()))
+    subject.fastest = max(subject.fastest, speed)
     return found.values, answered(subject, found)
 
 

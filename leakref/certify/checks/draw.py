@@ -22,7 +22,7 @@ from leakref._base import FloatArray, LeakrefError
 from leakref.currents import Current, ExponentialCurrent, LinearCurrent, UniformCurrent
 from leakref.grid import Grid
 
-__all__ = ["DRAWN", "PUBLISHED", "Draw", "asked_seed", "drawing"]
+__all__ = ["DRAWN", "PUBLISHED", "Draw", "asked_fastest", "asked_seed", "drawing"]
 
 PUBLISHED = 1
 """The seed of the questions as they are written down."""
@@ -55,6 +55,8 @@ class Draw:
     """
 
     seed: int = PUBLISHED
+    fastest: float = np.inf
+    """In c0: currents that are faster are made as slow, for a code that is made for no others."""
 
     def __post_init__(self) -> None:
         if isinstance(self.seed, bool) or not isinstance(self.seed, int) or not 0 <= self.seed < 2**63:
@@ -84,9 +86,10 @@ class Draw:
 
     def current(self, current: Current | None) -> Any:
         """A current turned with the sea, and made weaker by up to 6 %; None is still water."""
-        if self.published:
+        factor = self._slowed(getattr(current, "velocity", getattr(current, "surface", (0.0, 0.0))))
+        if self.published and factor == 1:
             return current or UniformCurrent()
-        factor = 1 - _WEAKER * float(self.numbers(1, "current")[0])
+        factor *= 1 - _WEAKER * float(self.numbers(1, "current")[0]) if not self.published else 1
 
         def by(velocity: Sequence[float]) -> tuple[float, float]:
             u, v = (factor * self.turn @ np.asarray(velocity)).tolist()
@@ -120,11 +123,20 @@ class Draw:
 
     def near(self, velocity: tuple[float, float]) -> tuple[float, float]:
         """The current of a pair of waves, turned and, if it is not strong, moved by up to 0.03 c0 along each axis."""
+        slower = self._slowed(velocity)
+        velocity = (slower * velocity[0], slower * velocity[1]) if slower < 1 else velocity
         if self.published:
             return velocity
         moved = _MOVED * (2 * self.numbers(2, "near") - 1) * (np.hypot(*velocity) < _STRONG)
         u, v = (self.turn @ np.array(velocity) + moved).tolist()
         return u, v
+
+    def _slowed(self, velocity: Sequence[float]) -> float:
+        """What a current of that velocity is multiplied by, 1 if it is slow enough: a twentieth less than the fastest,
+        since pairs of waves are moved onto bins.
+        """
+        speed = float(np.hypot(velocity[0], velocity[1]))
+        return min(1.0, 0.95 * self.fastest / speed) if speed else 1.0
 
     def phases(self, phase: FloatArray) -> FloatArray:
         """Other phases (n,) for as many waves."""
@@ -133,8 +145,10 @@ class Draw:
 
 asked_seed: ContextVar[int] = ContextVar("asked_seed", default=PUBLISHED)
 """Whose questions are asked now; set by each check for the time that it runs."""
+asked_fastest: ContextVar[float] = ContextVar("asked_fastest", default=np.inf)
+"""The strongest current that is shown, in c0; likewise."""
 
 
 def drawing() -> Draw:
     """What is made of the questions that are asked now."""
-    return Draw(asked_seed.get())
+    return Draw(asked_seed.get(), asked_fastest.get())

@@ -42,7 +42,7 @@ def identify(subject: Subject) -> frozenset[str]:
     window = next((name for name in ("hann", *d.windows) if name in d.windows and name in WINDOWS), None)
     if window is None:
         return subject.alike
-    with inputs.asked(square="dy" in d.untold, seed=PUBLISHED, water=subject.still()):
+    with inputs.asked(subject, PUBLISHED):
         cube = inputs.sea(40.0, 180.0, UniformCurrent(inputs.polar(0.2, 75.0)), realization=3)
         answers = fast.realize(
             cube.components, cube.grid, cube.wavenumbers, windows=(window,), methods=tuple(METHODS), water=cube.water

@@ -16,7 +16,9 @@ from typing import Any
 import numpy as np
 
 from leakref._base import FloatArray
-from leakref.certify.checks.draw import asked_seed, drawing
+from leakref.certify.checks.draw import asked_fastest, asked_seed, drawing
+from leakref.certify.subject.declaration import Declaration
+from leakref.certify.subject.frames import Subject
 from leakref.currents import Current, UniformCurrent, shift_in
 from leakref.dispersion import DEEP, Water, velocity_resolutions
 from leakref.grid import Grid
@@ -36,6 +38,7 @@ __all__ = [
     "Cube",
     "asked",
     "drawn",
+    "fitting",
     "in_water",
     "many",
     "on_bins",
@@ -66,30 +69,44 @@ _PHASES = (0.3, 1.9)  # of a pair
 
 _SQUARE: ContextVar[bool] = ContextVar("square", default=False)
 _STILL: ContextVar[Water] = ContextVar("still", default=DEEP)
+_SHOWN: ContextVar[Declaration | None] = ContextVar("shown", default=None)
 
 
 @contextmanager
-def asked(*, square: bool, seed: int, water: Water = DEEP) -> Iterator[None]:
-    """Within it the questions are those of a seed; cubes have square pixels, for a code that knows no others, or not;
-    waves are those of a `water`, in scaled units. Other threads go on with theirs.
+def asked(subject: Subject, seed: int) -> Iterator[None]:
+    """Within it the questions are those of a seed, as a subject is shown them: with square pixels if it knows no
+    others, of the sizes that it takes, in its water, on currents that it is made for. Other threads go on with theirs.
     """
-    tokens = _SQUARE.set(square), asked_seed.set(seed)
+    declared = subject.shown_as
+    tokens = _SQUARE.set("dy" in subject.declaration.untold), asked_seed.set(seed), _SHOWN.set(declared)
     try:
-        with in_water(water):
+        with in_water(subject.still(), declared.fastest()):
             yield
     finally:
         _SQUARE.reset(tokens[0])
         asked_seed.reset(tokens[1])
+        _SHOWN.reset(tokens[2])
 
 
 @contextmanager
-def in_water(water: Water) -> Iterator[None]:
-    """Within it cubes are made of waves of that water, in scaled units."""
-    token = _STILL.set(water)
+def in_water(water: Water, fastest: float | None = None) -> Iterator[None]:
+    """Within it cubes are made of waves of that water, on currents up to `fastest` (as before), in scaled units."""
+    token, other = _STILL.set(water), asked_fastest.set(asked_fastest.get() if fastest is None else fastest)
     try:
         yield
     finally:
         _STILL.reset(token)
+        asked_fastest.reset(other)
+
+
+def fitting(grid: Grid) -> Grid:
+    """The grid, or for a code that takes certain numbers of samples one as long with such."""
+    declared = _SHOWN.get()
+    if declared is None or (declared.multiple == 1 and declared.shape is None):
+        return grid
+    nx, ny, nt = declared.shape or tuple(-(-n // declared.multiple) * declared.multiple for n in grid.shape)
+    (dx, dy, dt), (n, m, k) = grid.spacing, grid.shape
+    return Grid((nx, ny, nt), (dx * n / nx, dy * m / ny, dt * k / nt))
 
 
 def still() -> Water:
@@ -100,7 +117,7 @@ def still() -> Water:
 def sampling(grid: Grid) -> Grid:
     """The grid, or where pixels must be square one like it with dy = dx, its number of rows odd or even as before."""
     if not _SQUARE.get():
-        return grid
+        return fitting(grid)
     (nx, ny, nt), (dx, dy, dt) = grid.shape, grid.spacing
     return Grid((nx, ny + 2 * round((ny * dy / dx - ny) / 2), nt), (dx, dx, dt))
 
@@ -296,11 +313,8 @@ def ring(radius: int, wavenumber: float, periods: int, shape: tuple[int, int, in
     """
     side, duration = 2 * np.pi * radius / wavenumber, 2 * np.pi * periods / float(still().frequency(wavenumber))
     nx, ny, nt = shape
-    return (
-        Grid(shape, (side / nx, side / ny, duration / nt))
-        if not _SQUARE.get()
-        else Grid((nx, nx, nt), (side / nx, side / nx, duration / nt))
-    )
+    ny = nx if _SQUARE.get() else ny
+    return fitting(Grid((nx, ny, nt), (side / nx, side / ny, duration / nt)))
 
 
 TWELVE = np.array(

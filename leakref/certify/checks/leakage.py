@@ -131,7 +131,8 @@ def check_aligned(subject: Subject, case: Case) -> Outcome:
     the window, as when the dispersion relation is taken at the shell's wavenumber for all its bins."""
     deep_only()
     side = 2 * np.pi / 0.12
-    grid = Grid((56, 60, 72), (side / 56, side / 60, 2 * np.pi * 10 / float(DEEP.frequency(0.6)) / 72))
+    duration = 2 * np.pi * 10 / float(DEEP.frequency(0.6))
+    grid = inputs.fitting(Grid((56, 60, 72), (side / 56, side / 60, duration / 72)))
     rings = np.array([(5, 0), (3, 4), (-4, 3), (4, -3), (20, 0), (12, 16), (16, -12), (-12, 16), (0, -20)]) * 0.12
     cube = inputs.waves(grid, rings[:, 0], rings[:, 1], (0.6, 2.4))
     return each_method(subject, lambda method: judge_exactly(subject, cube, method, others=FINE))

@@ -98,7 +98,7 @@ class Check:
         subject.calls.clear()
         subject.gaps = ""
         try:
-            with inputs.asked(square="dy" in subject.declaration.untold, seed=case.seed, water=subject.still()):
+            with inputs.asked(subject, case.seed):
                 outcome = self.function(subject, case)
         except Unanswered as nothing:
             return replace(blank, verdict=nothing.verdict, message=nothing.message, calls=tuple(subject.calls))

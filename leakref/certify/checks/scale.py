@@ -26,11 +26,13 @@ from leakref.certify.verdict import Unanswered, Verdict
 from leakref.currents import UniformCurrent
 from leakref.grid import Grid
 
-__all__ = ["check_duration", "check_gravity", "check_peak"]
+__all__ = ["ENDS", "check_duration", "check_gravity", "check_peak", "shown_at"]
 
 LONG = Grid((40, 42, 144), (0.72, 0.7, 0.8))
 
 
+ENDS = (16.0, 1 / 16)
+"""The scales of the shortest and of the longest waves that a code is shown which says nothing of its waves."""
 CLOSE = (
     "A velocity in units of c0 may differ by a tenth of the smaller of the two velocity resolutions, at wavenumbers at "
     "which the reference has nothing to note. In scaled units the two seas are one computation."
@@ -54,7 +56,8 @@ def _another(
 @check(
     "scale",
     "sec:dimensions",
-    CLOSE + " For a code that knows one depth only the other sea is in other water. " + IN_THE_MEAN,
+    CLOSE + " For a code that knows one depth only the other sea is in other water, and one that declares the waves it "
+    "is made for is shown those: " + IN_THE_MEAN,
     [
         Case(name + ("" if tapered else "-untapered"), {"scale": scale, "tapered": tapered}, quick=quick)
         for name, scale, quick in (
@@ -67,20 +70,31 @@ def _another(
     ],
 )
 def check_peak(subject: Subject, case: Case) -> Outcome:
-    """The same sea with waves four times shorter or sixteen times longer: a width in rad/s, a gravity, a search range
-    or a threshold that was set for one sea state gives another current, and is as sure of it."""
-    window, scale = tapered(subject) if case.given["tapered"] else untapered(subject), case.given["scale"]
-    water = subject.still(scale)
-    with inputs.in_water(water):
-        cube = inputs.sea(
-            70.0, 100.0, UniformCurrent(polar(0.2, -30.0)), realization=11, wavenumbers=(1.3, 1.6, 2.0, 2.5)
-        )
-    if water == subject.still():
-        return each_method(subject, lambda method: _another(subject, cube, window, method, scale=scale))
-    if window == "box":
-        raise Unanswered(Verdict.UNSUPPORTED, "knows one water only, and untapered this holds in deep water")
-    other = replace(cube, scale=scale)
-    return each_method(subject, lambda method: in_the_mean(subject, other, window, method))
+    """The same sea with waves four times shorter or sixteen times longer, or at the ends of those that a code declares:
+    a width in rad/s, a gravity, a search range or a threshold that was set for one sea state gives another current, and
+    is as sure of it."""
+    window = tapered(subject) if case.given["tapered"] else untapered(subject)
+    shown = subject.shown_as
+    scale = shown.scale(case.given["scale"])
+    if abs(np.log(scale)) < 1e-6:
+        raise Unanswered(Verdict.UNSUPPORTED, "is made for no such waves")
+    if subject.still(scale) == subject.still() and not shown.waves:
+        cube = shown_at(subject, 1.0)
+        compare = lambda method: _another(subject, cube, window, method, scale=scale)  # noqa: E731
+    elif window == "box":
+        raise Unanswered(Verdict.UNSUPPORTED, "knows one water or some waves only; untapered they are compared in all")
+    else:
+        compare = lambda method: in_the_mean(subject, shown_at(subject, scale), window, method)  # noqa: E731
+
+    return each_method(subject, compare)
+
+
+def shown_at(subject: Subject, scale: float) -> Cube:
+    """The sea of the family, in the water and on a current that the code knows there."""
+    with inputs.in_water(subject.still(scale), subject.shown_as.fastest(scale)):
+        current = UniformCurrent(polar(0.2, -30.0))
+        cube = inputs.sea(70.0, 100.0, current, realization=11, wavenumbers=(1.3, 1.6, 2.0, 2.5))
+    return replace(cube, scale=scale)
 
 
 @check(

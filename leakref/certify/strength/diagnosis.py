@@ -22,11 +22,12 @@ from leakref._base import LeakrefError
 from leakref.certify.certificate import REJECTED, SOUND, Certificate
 from leakref.certify.checks.draw import PUBLISHED
 from leakref.certify.runner import select
-from leakref.certify.strength import cure, faults, replays
+from leakref.certify.strength import cure, faults, regime, replays
 from leakref.certify.strength.clues import EXACT_FOR_ALL, FULL, TWICE, Hypothesis, gather
 from leakref.certify.strength.maps import MAPS, common_map
+from leakref.certify.strength.maxima import other_maxima
 from leakref.certify.strength.replays import ENOUGH, Names, Scored
-from leakref.certify.strength.symptoms import other_maxima, symptoms
+from leakref.certify.strength.symptoms import symptoms
 from leakref.certify.subject.frames import OWN, Subject
 from leakref.certify.verdict import WRONG, Finding, Verdict
 from leakref.golden.sets import NEWEST
@@ -138,9 +139,27 @@ def _cured(
                 allowance=_allowance(certificate),
                 after_each=after_each,
             )
+            remark = "; ".join(filter(None, (_regime(certificate, subject), remark)))
     except (LeakrefError, OSError) as broken:
         return [], f"no repair was looked for, since no second session could be held: {broken}"
     return [(Hypothesis(one.repair.id, one.repair.words, one.digits, "repair"), one) for one in found], remark
+
+
+def _regime(certificate: Certificate, subject: Subject) -> str:
+    """The waves in which a code is right that is wrong in others, in words; empty if there are none, or no question
+    about other waves was wrong.
+    """
+    if not any(f.id.startswith("scale.peak") and "untapered" not in f.id for f in certificate.wrong):
+        return ""
+    found = regime.right_between(subject)
+    if found is None:
+        return ""
+    short, long = found
+    return (
+        f"in waves of {short:.2g} to {long:.2g} m its answers are within the resolution, and not in all others that it "
+        f"was shown: if it is made for these, declare them, or ask with --waves {short:.2g}m:{long:.2g}m "
+        "(`leakref guide regimes`)"
+    )
 
 
 def _allowance(certificate: Certificate) -> float:

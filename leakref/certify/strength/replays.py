@@ -74,7 +74,7 @@ def question(
 
     `alike` are methods of the reference as which the code answers a broad sea; None finds out for each fault.
     """
-    said = {name: declared.get(name) for name in ("can", "fixed", "y", "cube", "units", "water")}
+    said = {name: declared.get(name) for name in ("can", "fixed", "y", "cube", "units", "water", "waves")}
     return dumps({**said, "methods": methods, "seed": seed, "golden": golden, "alike": alike}, default=list)
 
 
@@ -130,7 +130,8 @@ def _replayed(identifier: str, names: Names, asked: str) -> tuple[Finding, tuple
     ((check, case),) = select([identifier], seed=given["seed"], golden=given["golden"])
     subject = InProcess(implementation(names))
     own = subject.declaration
-    theirs = Declaration(can=given["can"], units=given["units"] or own.units, water=given["water"] or {})
+    shown = {name: given[name] for name in ("units", "cube", "water", "waves") if given[name]}
+    theirs = Declaration(can=given["can"], **{"units": own.units, **shown})
     subject.asked_as = theirs
     offered = {"methods": given["methods"], "windows": list(theirs.windows) if theirs.tapers else []}
     subject.declaration = replace(

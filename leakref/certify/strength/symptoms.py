@@ -15,19 +15,12 @@ from typing import Any
 import numpy as np
 
 from leakref._base import FloatArray
-from leakref.certify.strength.clues import TRUE, Clue, Hypothesis, digits, gather, velocities
+from leakref.certify.strength.clues import TRUE, Hypothesis, digits, velocities
 from leakref.certify.subject.declaration import Declaration
-from leakref.certify.subject.frames import Subject, Velocities
-from leakref.certify.subject.inprocess import InProcess
+from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import WRONG, Finding, Verdict
-from leakref.chain import reference
-from leakref.dispersion import Water
-from leakref.grid import Grid
-from leakref.nsp import WIDTH, characteristic_function, normalized_scalar_product, score_derivatives, score_range
-from leakref.shell import Shell, shell_at
-from leakref.spectrum import fourier
 
-__all__ = ["other_maxima", "symptoms"]
+__all__ = ["AWAY", "said", "symptoms"]
 
 _IN_STEPS = ("signs.aligned", "recovery.ring", "recovery.shells", "recovery.half-width")
 """Checks whose currents are whole multiples of a step themselves."""
@@ -35,10 +28,7 @@ _SAME = 1e-6  # relative: velocities that are one
 _OFTEN, _MOSTLY = 0.2, 0.6  # parts of the answers
 _AT_LEAST = 4
 _ENERGIES = {2 / 3: "2/3", 0.5: "1/2", 1 / 3: "1/3", 0.25: "1/4", 2.0: "2", 4.0: "4", 1.5: "3/2"}
-_STAYS = 2e-3  # in c0: so near to a maximum is at it
-_AWAY = 0.05  # in c0: so far from the reference's is at another
-_TOWARDS = 0.7  # cosine of the angle between a velocity and another in whose direction it is
-_MANY = 8  # questions that are looked at again
+AWAY = 0.05  # in c0: so far from the reference's is at another
 
 
 def symptoms(findings: Sequence[Finding], declared: Mapping[str, Any]) -> list[Hypothesis]:
@@ -61,7 +51,7 @@ def symptoms(findings: Sequence[Finding], declared: Mapping[str, Any]) -> list[H
     return list({(one.fault, one.words): one for one in found}.values())
 
 
-def _said(identifier: str, words: str) -> Hypothesis:
+def said(identifier: str, words: str) -> Hypothesis:
     return Hypothesis(identifier, words, None, "symptom")
 
 
@@ -74,17 +64,17 @@ def _behaviours(failed: Sequence[Finding]) -> Iterator[Hypothesis]:
         if check == "behaviour.refuses":
             what = "infinity" if case == "infinity" else "NaN"
             gave = "gives NaN for velocities of" if "answered NaN" in f.message else "answers"
-            yield _said(check, f"it {gave} a cube that holds {what} as if it were whole")
+            yield said(check, f"it {gave} a cube that holds {what} as if it were whole")
         elif check == "behaviour.input":
-            yield _said(check, f"it does what it must not: {f.message}")
+            yield said(check, f"it does what it must not: {f.message}")
         elif check == "behaviour.deterministic":
-            yield _said(check, "it does not answer the same question twice alike")
+            yield said(check, "it does not answer the same question twice alike")
         elif check == "behaviour.order":
-            yield _said(check, "its velocity at a wavenumber depends on which others are asked for, or in which order")
+            yield said(check, "its velocity at a wavenumber depends on which others are asked for, or in which order")
         elif check == "behaviour.past-nyquist":
-            yield _said(check, "it gives NaN for a velocity past the Nyquist wavenumber")
+            yield said(check, "it gives NaN for a velocity past the Nyquist wavenumber")
         elif check == "metamorphic.amplitude":
-            yield _said(check, "its answers change with the unit of the surface: a threshold or a floor in absolute "
+            yield said(check, "its answers change with the unit of the surface: a threshold or a floor in absolute "
                                "numbers, a logarithm, or integers that round or wrap")  # fmt: skip
 
 
@@ -94,7 +84,7 @@ def _depth(failed: Sequence[Finding]) -> Iterator[Hypothesis]:
         if f.id.startswith("depth.change") and "is not used" in f.message:
             _, _, depth = f.message.partition("That is right in ")
             instead = f"; it answers as in {depth.partition('.  ')[0]}" if depth else ""
-            yield _said("depth-unused", f"the depth that it is handed is not used{instead}")
+            yield said("depth-unused", f"the depth that it is handed is not used{instead}")
             return
 
 
@@ -107,7 +97,7 @@ def _unanswered(failed: Sequence[Finding]) -> Iterator[Hypothesis]:
     for words, count in Counter(told).most_common(1):
         if count >= max(_AT_LEAST, _OFTEN * len(failed)):
             message = next(f.message for f in failed if re.sub(r"[-+]?[0-9][0-9.e+-]*", "#", f.message) == words)
-            yield _said("no-answer", f"{count} of {len(failed)} failed questions have no answer: {message}")
+            yield said("no-answer", f"{count} of {len(failed)} failed questions have no answer: {message}")
 
 
 def _signs_lost(failed: Sequence[Finding]) -> Iterator[Hypothesis]:
@@ -118,13 +108,13 @@ def _signs_lost(failed: Sequence[Finding]) -> Iterator[Hypothesis]:
     """
     pairs = [velocities(f.figures) for f in failed if f.family in TRUE]
     mine, true = (np.concatenate([np.empty((0, 2)), *(pair[n] for pair in pairs)]) for n in (0, 1))
-    if len(mine) < _AT_LEAST or not (np.abs(true).max(axis=0) > _AWAY).all():
+    if len(mine) < _AT_LEAST or not (np.abs(true).max(axis=0) > AWAY).all():
         return
-    if (true < -_AWAY).any() and (mine >= 0).all() and np.median(digits(mine, np.abs(true))) >= 1.5:
-        yield _said("absolute-value", f"no component of {len(mine)} velocities is negative: they have lost their signs")
+    if (true < -AWAY).any() and (mine >= 0).all() and np.median(digits(mine, np.abs(true))) >= 1.5:
+        yield said("absolute-value", f"no component of {len(mine)} velocities is negative: they have lost their signs")
     for axis, name in enumerate("xy"):
         if not mine[:, axis].any():
-            yield _said(f"lost-{name}", f"the {name} component of all {len(mine)} velocities that fell short is zero")
+            yield said(f"lost-{name}", f"the {name} component of all {len(mine)} velocities that fell short is zero")
 
 
 def _energy(failed: Sequence[Finding]) -> Iterator[Hypothesis]:
@@ -141,9 +131,9 @@ def _energy(failed: Sequence[Finding]) -> Iterator[Hypothesis]:
     mean = float(both.mean())
     if np.ptp(both) <= 1e-3 * mean:
         name = next((f" ({said})" for value, said in _ENERGIES.items() if abs(mean / value - 1) < 1e-3), "")
-        yield _said("energy-ratio", f"each surface holds {mean:.4g}{name} of the energy asked for")
+        yield said("energy-ratio", f"each surface holds {mean:.4g}{name} of the energy asked for")
     elif abs(mean - 2 / 3) < 3 * float(both.std()) / np.sqrt(both.size) and np.ptp(both) > 0.05:
-        yield _said(
+        yield said(
             "energy-ratio",
             f"surfaces hold {mean:.2g} of the energy asked for in the mean, and each another part: as if amplitudes "
             "were drawn anew, which leaves 2/3",
@@ -176,17 +166,17 @@ def _repeated(failed: Sequence[Finding], declared: Mapping[str, Any]) -> Iterato
     alike = (np.abs(v - np.median(v, axis=0)) <= _SAME * np.abs(v).max()).all(axis=1)
     if alike.mean() >= _MOSTLY and np.unique(of[alike]).size >= _AT_LEAST:
         one = ", ".join(f"{part:.4g}" for part in v[alike][0])
-        yield _said("one-answer", f"{int(alike.sum())} of {len(v)} answers are ({one}) {unit}, whatever is asked")
+        yield said("one-answer", f"{int(alike.sum())} of {len(v)} answers are ({one}) {unit}, whatever is asked")
         return
     size = np.abs(v)
     if (step := _step(size)) is not None:
-        yield _said("on-a-lattice", f"its velocities are whole multiples of {step:.4g} {unit}")
+        yield said("on-a-lattice", f"its velocities are whole multiples of {step:.4g} {unit}")
         return
     value, at = _commonest(size)
     if value > 0 and at.sum() >= max(_AT_LEAST, _OFTEN * len(v)) and np.unique(of[at]).size >= 3:
         edge = value >= size.max() * (1 - _SAME)
         what = "the edge of what it searches" if edge else "a value at which it sticks, as at the edge of a range"
-        yield _said(
+        yield said(
             "edge-of-range",
             f"{int(at.sum())} of {len(v)} answers that fell short have a component of {value:.4g} {unit} to the last "
             f"digit: {what}",
@@ -209,7 +199,7 @@ def _stale(failed: Sequence[Finding]) -> Iterator[Hypothesis]:
     same = [one for one in several if np.ptp(one, axis=0).max() <= _SAME * np.abs(one).max() > 0]
     if len(same) >= _AT_LEAST and len(same) >= _MOSTLY * len(several) and len({tuple(one[0]) for one in same}) > 2:
         cubes = max(map(len, same))
-        yield _said(
+        yield said(
             "state-kept",
             f"asked at one wavenumber about {cubes} different cubes it gives one velocity, to the last digit: it "
             "keeps an earlier cube, or its spectrum",
@@ -261,128 +251,9 @@ def _scales(findings: Sequence[Finding]) -> Iterator[Hypothesis]:
         if longer
         else "a width too narrow there, a limit of frequency or wavenumber, a spurious branch, or surface tension,"
     )
-    said = " and ".join(words for name, words in other.items() if name in at)
-    yield _said(
+    told = " and ".join(words for name, words in other.items() if name in at)
+    yield said(
         "fixed-constants",
-        f"it is right at the usual scale and wrong where the same waves are {said}: {what} is written down in rad/s, "
+        f"it is right at the usual scale and wrong where the same waves are {told}: {what} is written down in rad/s, "
         "rad/m or m/s instead of being taken from the cube",
     )
-
-
-# ---------------------------------------------------------------- other maxima of the score
-
-
-class _Recording(InProcess):
-    """The reference, and what it was shown."""
-
-    shown: list[tuple[FloatArray, Sequence[float], FloatArray, str, str | None, Water]]
-
-    def extract(self, surface: Any, spacing: Any, wavenumbers: Any, **named: Any) -> Velocities:
-        """As `Subject.extract`, of which it takes down the question."""
-        window, method = named.get("window", "hann"), named.get("method")
-        water = named.get("water") or self.still()
-        self.shown.append((surface, spacing, np.atleast_1d(wavenumbers), window, method, water))
-        return super().extract(surface, spacing, wavenumbers, **named)
-
-
-def other_maxima(
-    findings: Sequence[Finding], declared: Mapping[str, Any], methods: Sequence[str], *, seed: int, golden: int
-) -> list[Hypothesis]:
-    """Whether velocities that failed are maxima of N all the same, or of N with the second branch as it is printed, or
-    lie on the way to them.
-
-    Only of a code that is an NSP, by what it says or what it was taken for. A maximum that scores lower than the
-    reference's is where another search ends; that of the printed branch (decision D2) is none of N. What scores higher
-    than zero current and points to the maximum, but is no maximum, is where a search stops that takes too few steps.
-    """
-    if "nsp" not in methods or "extract" not in declared["can"]:
-        return []
-    other, printed, early, known = 0, 0, 0, 0
-    failed = [clue for clue in gather(findings, seed, golden) if clue.finding.calls and clue.check.stage == "extract"]
-    for clue in [clue for clue in failed if clue.check.family in ("currents", "signs", "recovery", "shear")][:_MANY]:
-        for shell, a, mine, should in _shells(clue, declared, methods):
-            if not np.hypot(*mine) <= score_range(shell, a, 1.0) or np.hypot(*(mine - should)) < _AWAY:
-                continue
-            known += 1
-            zero, score, best = (normalized_scalar_product(shell, c, a) for c in (0 * mine, mine, should))
-            at = _is_maximum(shell, mine, a)
-            other += at and score < best * (1 - 1e-6)
-            printed += not at and _is_maximum_as_printed(shell, mine, a)
-            on_the_way = bool(
-                mine @ should > _TOWARDS * np.hypot(*mine) * np.hypot(*should) and mine @ mine < should @ should
-            )
-            early += not at and zero < score < best and on_the_way
-    said = {
-        "other-maximum": (
-            other,
-            "maxima of the score too, with a lower score: the search starts elsewhere, or its first step is too long "
-            "(`leakref guide real-codes`)",
-        ),
-        "printed-branch": (
-            printed,
-            "maxima of the score with the second branch of G as it is printed, omega + omega0 + k.c (decision D2)",
-        ),
-        "stops-early": (
-            early,
-            "on the way from zero to a maximum of the score, and at none: the search stops before it is there (its "
-            "tolerance, or its number of steps)",
-        ),
-    }
-    return [
-        _said(name, f"{count} of {known} velocities that are far off are {words}")
-        for name, (count, words) in said.items()
-        if known >= 2 and count >= _MOSTLY * known
-    ]
-
-
-def _shells(
-    clue: Clue, declared: Mapping[str, Any], methods: Sequence[str]
-) -> Iterator[tuple[Shell, float, FloatArray, FloatArray]]:
-    """For each velocity of a finding by the NSP: its shell, the width a, the velocity and the reference's (2,)."""
-    subject = _Recording(reference)
-    subject.shown, subject.alike = [], frozenset()
-    theirs = Declaration.read({**declared})
-    own = subject.declaration
-    can = {**own.can, "extract": {"methods": list(methods), "windows": list(theirs.windows)}}
-    fixed = ("dy",) if "dy" in theirs.untold else ()
-    subject.declaration, subject.asked_as = Declaration(fixed=fixed, can=can, water=own.water), theirs
-    clue.check(subject, clue.case)
-    for (surface, spacing, k, window, method, water), mine, true in zip(
-        subject.shown, clue.finding.calls, subject.calls, strict=False
-    ):
-        if method == "nsp" and mine.answer.shape == true.answer.shape and mine.asked["scale"] == 1:
-            grid = Grid(surface.shape, (spacing[0], spacing[1], spacing[2]))
-            spectrum = fourier(surface, grid, window, workers=1)
-            for n in np.flatnonzero(np.isfinite(mine.answer).all(axis=1) & np.isfinite(true.answer).all(axis=1)):
-                width = WIDTH * grid.frequency_resolution
-                yield shell_at(spectrum, float(k[n]), water=water), width, mine.answer[n], true.answer[n]
-
-
-def _is_maximum(shell: Shell, velocity: FloatArray, a: float) -> bool:
-    _, gradient, hessian = score_derivatives(shell, velocity, a)
-    return _at_the_top(gradient, hessian)
-
-
-def _is_maximum_as_printed(shell: Shell, velocity: FloatArray, a: float, step: float = 1e-3) -> bool:
-    """By differences, of N with a second branch at -omega0 - k.c."""
-
-    def score(c: FloatArray) -> float:
-        g = characteristic_function(shell, c, a)
-        mirror = np.exp(-2 * ((shell.omega + (shell.intrinsic - shell.kx * c[0] - shell.ky * c[1])[:, None]) / a) ** 2)
-        printed = np.exp(-2 * ((shell.omega + (shell.intrinsic + shell.kx * c[0] + shell.ky * c[1])[:, None]) / a) ** 2)
-        g = g - mirror + printed
-        return float(np.sum((g * shell.magnitude) @ shell.weight) / np.sum(g @ shell.weight))
-
-    x, y = np.eye(2) * step
-    n = {(i, j): score(velocity + i * x + j * y) for i in (-1, 0, 1) for j in (-1, 0, 1)}
-    gradient = np.array([n[1, 0] - n[-1, 0], n[0, 1] - n[0, -1]]) / (2 * step)
-    cross = (n[1, 1] - n[1, -1] - n[-1, 1] + n[-1, -1]) / (4 * step**2)
-    xx, yy = (n[1, 0] - 2 * n[0, 0] + n[-1, 0]) / step**2, (n[0, 1] - 2 * n[0, 0] + n[0, -1]) / step**2
-    return _at_the_top(gradient, np.array([[xx, cross], [cross, yy]]))
-
-
-def _at_the_top(gradient: FloatArray, hessian: FloatArray) -> bool:
-    """Whether a step of Newton's would be short, towards a maximum."""
-    if not np.isfinite(hessian).all() or np.linalg.eigvalsh(hessian).max() >= 0:
-        return False
-    return bool(np.hypot(*np.linalg.solve(hessian, gradient)) <= _STAYS)

@@ -26,6 +26,7 @@ WATER = ("depth", "surface_tension")
 """What may be declared of the water: `GIVEN`, or a number."""
 GIVEN = "given"
 """Of a parameter that is handed over with each run."""
+_ENDS = 16.0  # times shorter or longer than usual: what a code is shown that says nothing of its waves
 _SHALLOWEST = 0.7  # k0 h: a code with one depth is shown shorter waves rather than such as feel the bottom more
 
 STAGES = ("window", "synthesize", "spectrum", "extract")
@@ -39,7 +40,9 @@ class Declaration:
     """The declaration of guide protocol, section 3, checked and completed.
 
     `fixed` are parameters that it cannot be told: `wavenumbers` if it has its own, `dy` if it knows square pixels only,
-    `gravity` if it has one. `cube` may hold `smallest`, the samples along x, y and t below which it takes none. `water`
+    `gravity` if it has one. `cube` may hold `smallest`, the samples along x, y and t below which it takes none,
+    `multiple`, of which all three must be multiples, or `shape`, the only ones it takes. `waves` may hold
+    `peak_wavelength`, the shortest and the longest in m that it is made for, and `fastest`, in m/s (SI only). `water`
     may hold `depth` and `surface_tension` (over density): `given` if they are handed over with each run, or the number
     that stands in the code, in its units; without them it knows deep water, and no tension.
 
@@ -62,6 +65,7 @@ class Declaration:
     fixed: tuple[str, ...] = ()
     cube: Mapping[str, Any] = field(default_factory=dict)
     water: Mapping[str, Any] = field(default_factory=dict)
+    waves: Mapping[str, Any] = field(default_factory=dict)
     can: Mapping[str, Mapping[str, Any]] = field(default_factory=lambda: {"extract": {}})
 
     @classmethod
@@ -107,9 +111,10 @@ class Declaration:
             raise Unanswered(
                 Verdict.ERROR, f"declares fixed = {fixed!r}, should be a list of parameter names, each once"
             )
-        words = {name: str(known[name]) for name in (*_DEFAULT, "format")}
-        cube, water = _cube(known.get("cube", {})), _water(known.get("water", {}))
-        return cls(**words, fixed=tuple(fixed), cube=cube, water=water, can=dict(can))
+        words: dict[str, Any] = {name: str(known[name]) for name in (*_DEFAULT, "format")}
+        rest: dict[str, Any] = {"cube": _cube(known.get("cube", {})), "water": _water(known.get("water", {}))}
+        rest |= {"waves": _waves(known.get("waves", {}), words["units"]), "can": dict(can), "fixed": tuple(fixed)}
+        return cls(**words, **rest)
 
     @property
     def methods(self) -> tuple[str, ...]:
@@ -160,13 +165,69 @@ class Declaration:
     def scales(self, scale: float = 1.0, gravity: float = 1.0) -> Scales:
         """Its units of a sea whose peak is shown at `scale` times the usual one, under `gravity` times the usual one.
 
-        A code in SI is shown the sea at 9.81 m/s2 with its peak at `PEAK`, or at shorter waves if it knows one depth
-        only in which those would be long; one in scaled units with gravity 1 and its peak at 1.
+        A code in SI is shown the sea at 9.81 m/s2 with its peak at `PEAK`, in the middle of the `waves` that it is made
+        for if those are others, or at shorter ones if it knows one depth only in which they would be long; one in
+        scaled units with gravity 1 and its peak at 1.
         """
         if self.units != "si":
             return Scales(scale, gravity)
+        longest, shortest = self.peaks
+        peak = PEAK if longest <= PEAK <= shortest else float(np.sqrt(longest * shortest))
         depth = self.water.get("depth", GIVEN)
-        return Scales(scale * max(PEAK, 0.0 if depth == GIVEN else _SHALLOWEST / depth), gravity * GRAVITY)
+        peak = max(peak, 0.0 if depth == GIVEN else min(_SHALLOWEST / depth, shortest))
+        return Scales(scale * peak, gravity * GRAVITY)
+
+    @property
+    def peaks(self) -> tuple[float, float]:
+        """The peak wavenumbers of the longest and of the shortest waves that it is made for, rad/m; 0 and infinite
+        where it says nothing.
+        """
+        if "peak_wavelength" not in self.waves:
+            return 0.0, np.inf
+        shortest, longest = self.waves["peak_wavelength"]
+        return 2 * np.pi / longest, 2 * np.pi / shortest
+
+    def scale(self, nominal: float) -> float:
+        """At which scale it is shown what others are shown at a `nominal` one, 1/16 to 16: within its `waves`, whose
+        ends stand for these.
+        """
+        if "peak_wavelength" not in self.waves or nominal == 1:
+            return nominal
+        usual = self.scales().peak_wavenumber
+        end = self.peaks[int(nominal > 1)] / usual
+        return float(end ** (abs(np.log(nominal)) / np.log(_ENDS)))
+
+    def shows(self, scale: float) -> bool:
+        """Whether the waves at a scale are among those that it is made for."""
+        longest, shortest = self.peaks
+        return longest * (1 - 1e-9) <= self.scales(scale).peak_wavenumber <= shortest * (1 + 1e-9)
+
+    def fastest(self, scale: float = 1.0) -> float:
+        """The strongest current that it is made for, in c0 of the peak at a scale; infinite where it does not say."""
+        return float(self.waves.get("fastest", np.inf) / self.scales(scale).velocity)
+
+    def takes(self, shape: tuple[int, ...]) -> str:
+        """What speaks against a cube of that shape, in words; empty if nothing does."""
+        if any(n < least for n, least in zip(shape, self.smallest, strict=True)):
+            return f"takes no cube below {self.smallest} samples along x, y, t"
+        if any(n % self.multiple for n in shape):
+            return f"takes multiples of {self.multiple} samples along each axis only"
+        if self.shape is not None and shape != self.shape:
+            return f"takes cubes of {self.shape} samples along x, y, t only"
+        return ""
+
+    @property
+    def multiple(self) -> int:
+        """Of which the numbers of samples must be multiples."""
+        return int(self.cube.get("multiple", 1))
+
+    @property
+    def shape(self) -> tuple[int, int, int] | None:
+        """The only one that it takes; None if it takes others."""
+        if "shape" not in self.cube:
+            return None
+        nx, ny, nt = self.cube["shape"]
+        return nx, ny, nt
 
     def still(self, scale: float = 1.0) -> Water:
         """The water that it is asked in, in scaled units: deep, or that which stands in the code."""
@@ -187,7 +248,8 @@ class Declaration:
             "y": self.y,
             "direction": self.direction,
             "fixed": list(self.fixed),
-            "cube": {name: list(value) for name, value in self.cube.items()},
+            "cube": {name: value if name == "multiple" else list(value) for name, value in self.cube.items()},
+            "waves": dict(self.waves),
             "water": dict(self.water),
             "can": {stage: dict(what) for stage, what in self.can.items()},
         }
@@ -202,18 +264,51 @@ def _names(given: Any) -> bool:
     )
 
 
-def _cube(cube: Any) -> dict[str, tuple[int, int, int]]:
+def _cube(cube: Any) -> dict[str, Any]:
     """What it says of the cubes that it takes. Raises Unanswered (error)."""
-    if isinstance(cube, Mapping) and "smallest" not in cube:
-        return {}
-    given: Any = cube["smallest"] if isinstance(cube, Mapping) else None
-    good = isinstance(given, list | tuple) and len(given) == 3
-    if not good or any(isinstance(n, bool) or not isinstance(n, int) or n < 1 for n in given):
+    found: dict[str, Any] = {}
+    good = isinstance(cube, Mapping)
+    for name in ("smallest", "shape") if good else ():
+        if cube.get(name) is not None:
+            good = good and _sizes(cube[name])
+            found[name] = tuple(cube[name]) if good else ()
+    if good and cube.get("multiple") is not None:
+        good = _sizes([cube["multiple"]] * 3)
+        found["multiple"] = cube["multiple"]
+    if not good:
         raise Unanswered(
             Verdict.ERROR,
-            f"declares cube = {cube!r}, should be an object with smallest = [nx, ny, nt], three whole numbers above 0",
+            f"declares cube = {cube!r}, should be an object with smallest = [nx, ny, nt] or shape = [nx, ny, nt], "
+            "three whole numbers above 0, or multiple = n",
         )
-    return {"smallest": tuple(given)}
+    return found
+
+
+def _sizes(given: Any) -> bool:
+    """Whether it is three whole numbers above zero."""
+    return (
+        isinstance(given, list | tuple)
+        and len(given) == 3
+        and all(isinstance(n, int) and not isinstance(n, bool) and n >= 1 for n in given)
+    )
+
+
+def _waves(waves: Any, units: str) -> dict[str, Any]:
+    """What it says of the waves that it is made for. Raises Unanswered (error)."""
+    good, found = isinstance(waves, Mapping), {}
+    if good and (pair := waves.get("peak_wavelength")) is not None:
+        good = isinstance(pair, list | tuple) and len(pair) == 2 and all(map(_above_zero, pair)) and pair[0] < pair[1]
+        found["peak_wavelength"] = [float(one) for one in pair] if good else []
+    if good and (fastest := waves.get("fastest")) is not None:
+        good = _above_zero(fastest)
+        found["fastest"] = fastest
+    if not good or (found and units != "si"):
+        raise Unanswered(
+            Verdict.ERROR,
+            f"declares waves = {waves!r}, should be an object with peak_wavelength = [shortest, longest] in m and "
+            "fastest in m/s, for a code in SI",
+        )
+    return found
 
 
 def _water(water: Any) -> dict[str, Any]:

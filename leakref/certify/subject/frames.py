@@ -23,7 +23,7 @@ from leakref.sea import Components
 from leakref.window import WINDOWS
 from leakref.window import window as named_window
 
-__all__ = ["ASKED", "BOTTOMLESS", "GRAVITY", "OWN", "PEAK", "Call", "Subject", "Velocities"]
+__all__ = ["ASKED", "BOTTOMLESS", "GRAVITY", "OWN", "PEAK", "Call", "Subject", "Velocities", "waves_in_words"]
 
 BOTTOMLESS = 100.0
 """The k0 h that a code which is handed a depth is handed for deep water: tanh(k h) is 1 for all waves in the shells."""
@@ -75,7 +75,7 @@ class Subject:
         self.waters: set[tuple[Water, float]] = set()
         """Those in which it has answered, scaled, and at which scale."""
         self.asked_as: Declaration | None = None
-        """Whose water it is asked in, if not its own: that of a code which the reference is compared with."""
+        """Whose questions it is asked, if not its own: those of a code which the reference is compared with."""
         self.handled = 0.0
         """Samples of all cubes that it was asked for, times wavenumbers: what the judging cost, on any machine."""
 
@@ -125,11 +125,16 @@ class Subject:
     @property
     def told(self) -> tuple[str, ...]:
         """What of the water it is asked about (`Declaration.told`)."""
-        return (self.asked_as or self.declaration).told
+        return self.shown_as.told
+
+    @property
+    def shown_as(self) -> Declaration:
+        """Whose water, waves and cubes it is shown: its own, or those of the code that it is compared with."""
+        return self.asked_as or self.declaration
 
     def still(self, scale: float = 1.0) -> Water:
         """The water that it is asked in, in scaled units (`Declaration.still`)."""
-        return (self.asked_as or self.declaration).still(scale)
+        return self.shown_as.still(scale)
 
     def _water(self, water: Water, scale: float, gravity: float) -> dict[str, float]:
         """What is handed over of a water, in its units. Raises Unanswered where it cannot be told."""
@@ -158,11 +163,8 @@ class Subject:
         """The arrays eta, x, y, t in its units and frame, the steps dx, dy, dt, and gravity. Raises Unanswered for a
         cube whose pixels are not square where it cannot be told so.
         """
-        if any(n < least for n, least in zip(surface.shape, self.declaration.smallest, strict=True)):
-            raise Unanswered(
-                Verdict.UNSUPPORTED,
-                f"takes no cube below {self.declaration.smallest} samples along x, y, t; this has {surface.shape}",
-            )
+        if against := self.declaration.takes(surface.shape):
+            raise Unanswered(Verdict.UNSUPPORTED, f"{against}; this has {surface.shape}")
         if "dy" in self.declaration.untold and abs(spacing[1] - spacing[0]) > 1e-9 * spacing[0]:
             raise Unanswered(Verdict.UNSUPPORTED, "knows square pixels only, and dy is not dx here")
         length, time, gravity = self.units(scale, gravity)
@@ -207,6 +209,9 @@ class Subject:
             surface = _tapered(surface, window)
         water = self.still(scale) if water is None else water
         told = self._water(water, scale, gravity)
+        if not (shown := self.shown_as).shows(scale):
+            words = f"is made for {waves_in_words(shown)}; these are {_long(shown, scale)} long"
+            raise Unanswered(Verdict.UNSUPPORTED, words)
         length, time, _ = self.units(scale, gravity)
         arrays, steps, gravity = self._surface(surface, spacing, scale, gravity)
         parameters = {
@@ -310,3 +315,14 @@ def _tapered(surface: FloatArray, window: str) -> FloatArray:
     """A cube times the window along each axis, for a code that tapers nothing itself."""
     wx, wy, wt = (named_window(window).samples(n) for n in surface.shape)
     return surface * wx[:, None, None] * wy[:, None] * wt
+
+
+def waves_in_words(declaration: Declaration) -> str:
+    """Those that it is made for; empty if it does not say."""
+    if "peak_wavelength" not in declaration.waves:
+        return ""
+    return "waves of {:.3g} to {:.3g} m".format(*declaration.waves["peak_wavelength"])
+
+
+def _long(declaration: Declaration, scale: float) -> str:
+    return f"{2 * np.pi * declaration.scales(scale).length:.3g} m"

@@ -78,9 +78,10 @@ class ProcessSubject(Subject):
     """A program that speaks protocol 1, as a context: started and tried out on entry, ended on exit with all it left.
 
     `command` is its argument list, `folder` where it runs (default: here), `keep` a folder in which the files exchanged
-    stay; `loading` are seconds until it says that it gets to what is its own, where its start begins. On entry
-    LeakrefError if it cannot be started or refuses, HarnessBroken if it does not answer. What it changes in the
-    exchange folder, other than its output, is added to `violations`; on exit, what it has said after its last answer.
+    stay; `waves` stand in place of those that it declares; `loading` are seconds until it says that it gets to what is
+    its own, where its start begins. On entry LeakrefError if it cannot be started or refuses, HarnessBroken if it does
+    not answer. What it changes in the exchange folder, other than its output, is added to `violations`; on exit, what
+    it has said after its last answer.
 
     After `STRIKES` breaches in a row every further question is answered at once with Unanswered (error), so that a
     program that hangs costs three limits and not a hundred. Any proper answer sets the count back.
@@ -94,9 +95,10 @@ class ProcessSubject(Subject):
         keep: Path | None = None,
         folder: Path | None = None,
         loading: float = 0.0,
+        waves: Mapping[str, Any] | None = None,
     ) -> None:
         super().__init__(Declaration())
-        self._loading = loading
+        self._loading, self._waves = loading, waves
         self.command, self.limits, self.keep, self.folder = list(command), limits or Limits(), keep, folder
         self._child: Child | None = None
         self._run = self._strikes = 0
@@ -194,7 +196,10 @@ class ProcessSubject(Subject):
                 f'said {printable(ready)} when it was started, should be "op": "ready" and "protocol": {PROTOCOL}',
             )
         try:
-            return Declaration.read({name: value for name, value in ready.items() if name not in ("op", "protocol")})
+            said = {name: value for name, value in ready.items() if name not in ("op", "protocol")}
+            return Declaration.read(
+                {**said, "waves": {**(said.get("waves") or {}), **self._waves}} if self._waves else said
+            )
         except Unanswered as wrong:
             raise Breach(wrong.verdict, wrong.message) from None
 
@@ -221,11 +226,13 @@ class ProcessSubject(Subject):
         where there is no proper answer: so that a program that cannot answer at all is told apart from one that answers
         wrongly. The first is not judged.
         """
-        nx, ny, nt = (max(pair) for pair in zip((16, 12, 10), self.declaration.smallest, strict=True))
+        declared = self.declaration
+        n = declared.multiple
+        least = declared.shape or [-(-max(p) // n) * n for p in zip((16, 12, 10), declared.smallest, strict=True)]
+        nx, ny, nt = least
         grid = Grid((nx, ny, nt), (0.9, 0.9 if "dy" in self.declaration.untold else 1.1, 0.8))
         waves, _ = aligned_waves(grid, [(3, 1, 2), (1, 2, 2)], gravity=1.0)
         axes = [grid.samples(axis) for axis in range(3)]
-        declared = self.declaration
         try:
             if "extract" in declared.can:
                 self.extract(synthesize(waves, *axes), grid.spacing, [1.2], window=declared.windows[0])
