@@ -17,6 +17,7 @@ __all__ = ["TOPICS", "run", "text", "titles"]
 
 TOPICS = (
     "certificate",
+    "regimes",
     "python",
     "octave",
     "cpp",
