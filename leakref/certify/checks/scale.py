@@ -80,13 +80,10 @@ def check_peak(subject: Subject, case: Case) -> Outcome:
         raise Unanswered(Verdict.UNSUPPORTED, "is made for no such waves")
     if subject.still(scale) == subject.still() and not shown.waves:
         cube = shown_at(subject, 1.0)
-        compare = lambda method: _another(subject, cube, window, method, scale=scale)  # noqa: E731
-    elif window == "box":
+        return each_method(subject, lambda method: _another(subject, cube, window, method, scale=scale))
+    if window == "box":
         raise Unanswered(Verdict.UNSUPPORTED, "knows one water or some waves only; untapered they are compared in all")
-    else:
-        compare = lambda method: in_the_mean(subject, shown_at(subject, scale), window, method)  # noqa: E731
-
-    return each_method(subject, compare)
+    return each_method(subject, lambda method: in_the_mean(subject, shown_at(subject, scale), window, method))
 
 
 def shown_at(subject: Subject, scale: float) -> Cube:

@@ -28,7 +28,8 @@ _SAME = 1e-6  # relative: velocities that are one
 _OFTEN, _MOSTLY = 0.2, 0.6  # parts of the answers
 _AT_LEAST = 4
 _ENERGIES = {2 / 3: "2/3", 0.5: "1/2", 1 / 3: "1/3", 0.25: "1/4", 2.0: "2", 4.0: "4", 1.5: "3/2"}
-AWAY = 0.05  # in c0: so far from the reference's is at another
+AWAY = 0.05
+"""In c0: a velocity so far from the reference's is at another maximum, if at any."""
 
 
 def symptoms(findings: Sequence[Finding], declared: Mapping[str, Any]) -> list[Hypothesis]:
@@ -52,6 +53,7 @@ def symptoms(findings: Sequence[Finding], declared: Mapping[str, Any]) -> list[H
 
 
 def said(identifier: str, words: str) -> Hypothesis:
+    """What stands in the findings, in words: a hypothesis without digits."""
     return Hypothesis(identifier, words, None, "symptom")
 
 
