@@ -21,7 +21,8 @@ __all__ = ["STAGES", "TERMS", "explain", "run"]
 Explanation = dict[str, Any]
 STAGES = {
     "extract": "Given: the surface elevation of a cube over x, y and t, its spacings, gravity, a window, a method and "
-    "the wavenumbers wanted; the water is deep. Wanted: one velocity (x, y) at each of them, in the units of the cube.",
+    "the wavenumbers wanted; the water is deep, or (family depth) its depth and surface tension are given. Wanted: one "
+    "velocity (x, y) at each of them, in the units of the cube.",
     "spectrum": "Given: the surface elevation of a cube, its spacings and a window. Wanted: its complex spectrum.",
     "window": "Given: the name of a window and a number of samples. Wanted: the samples of the window.",
     "synthesize": "Given: waves by wave vector, frequency, amplitude and phase, and coordinates. Wanted: the surface.",

@@ -256,7 +256,7 @@ class Certificate:
         si, usual = declared.units == "si", declared.scales()
         waves = sorted(float(2 * np.pi * usual.length / scale) for scale in self.scales)
         shown = [(water, declared.scales(scale)) for water, scale in self.waters]
-        tensions = [(float(water.to_units(units).surface_tension), units.length) for water, units in shown]
+        ripples = [(water.to_units(units), units.length) for water, units in shown if water.surface_tension > _RIPPLES]
         felt = np.inf if "depth" in declared.water and "depth" not in declared.told else _DEEP
         usual_ones = [(water, units) for water, units in shown if water.surface_tension < _RIPPLES]
         depths = sorted(float(water.depth * units.length) for water, units in usual_ones if water.depth < felt)
@@ -264,8 +264,8 @@ class Certificate:
         found = {
             "depth": "deep" if not depths else "deep and finite" if deep or depths[0] < depths[-1] else depths[0],
             "depths": [depths[0], depths[-1]] if depths else [],
-            "surface_tension": max(tensions, default=(0.0, 1.0))[0],
-            "ripples": 2 * np.pi * max(tensions, default=(0.0, 1.0))[1],
+            "surface_tension": max((float(water.surface_tension) for water, _ in ripples), default=0.0),
+            "ripples": 2 * np.pi * min((length for _, length in ripples), default=0.0),
             "units": ("m", "m/s") if si else ("1/k0", "c0"),
             "peak_wavelength": 2 * np.pi * usual.length,
             "peak_wavelengths": [waves[0], waves[-1]] if waves else [],
@@ -311,7 +311,7 @@ def _in_words(scope: Mapping[str, Any], si: bool) -> str:
             f"{short / 2 / np.pi:.2g} to {long / 2 / np.pi:.2g} times as long",
         )
     waves += f" (in the family scale {other})" * (short < long)
-    speed = f"{scope['fastest_current']:.2g} {scope['units'][1]}" + " (c0: phase speed of the peak)" * (not si)
+    speed = f"{scope['fastest_current']:.2g} {scope['units'][1]}" + " (c0: sqrt(g / k0))" * (not si)
     current = f"one current in the picture, uniform or changing with depth, of {speed} at most"
     return f"{_water_in_words(scope, si)}, {waves}, {current}; {'; '.join(asked)}."
 

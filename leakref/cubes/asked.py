@@ -103,11 +103,12 @@ class Assumed:
             "y": f"y {self.y}wards along the rows",
             "units": f"units {units[self.units]}",
             "gravity": f"gravity {self.gravity:.6g} {g}".rstrip(),
-            "depth": in_words(self.depth, self.surface_tension, self.units),
+            "depth": depth_words(self.depth, "m" * metric),
+            "surface_tension": tension_words(self.surface_tension, "m3/s2" * metric),
             "step": f"dx, dy {dx}, {dy} {length}".rstrip() + f", dt {dt} {time}".rstrip(),
         }
         source = {**self.sources, "variable": self.sources.get("axes", "")}
-        words = (text + (f" ({source[name]})" if source.get(name) else "") for name, text in said.items())
+        words = (text + f" ({source[name]})" * bool(source.get(name)) for name, text in said.items() if text)
         return f"Taken: {'; '.join(words)}."
 
 

@@ -84,7 +84,10 @@ def verify(
     """
     golden = golden or Golden()
     failures = [
-        Failure("manifest.json", f"decision {name} was {said!r} when this set was made, and is another now")
+        Failure(
+            f"{one.manifest['set']}/manifest.json",
+            f"decision {name} was {said!r} when this set was made, and is another now",
+        )
         for one in golden.chain
         for name, said in one.manifest["decisions"].items()
         if name not in DECISIONS or DECISIONS[name].reference != said

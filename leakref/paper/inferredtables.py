@@ -154,7 +154,7 @@ def shown(found: Sequence[Depths]) -> None:
     """Print a table a sea, and the answer; nothing if there are none."""
     for id in dict.fromkeys(e.configuration.id for e in found):
         Console().print(table([e for e in found if e.configuration.id == id], f"{id}: the depth inferred"))
-    if found:
+    if found and len({(e.configuration.length, e.configuration.duration) for e in found}) == 1:
         Console().print(answer(rows(found)), soft_wrap=True, highlight=False)
 
 

@@ -43,6 +43,7 @@ __all__ = [
     "check_ring",
     "check_sea",
     "check_tension",
+    "explained",
 ]
 
 TENSION = 0.12
@@ -90,7 +91,7 @@ def _in_other_water(cube: Cube, water: Water) -> Cube:
     return replace(cube, water=water, current=UniformCurrent((float(current[0]), float(current[1]))))
 
 
-def _explained(subject: Subject, cube: Cube, outcome: Outcome) -> Outcome:
+def explained(subject: Subject, cube: Cube, outcome: Outcome) -> Outcome:
     """With the depth for which an answer that is wrong would be right, if there is one: of two waves both tell it."""
     rows = outcome.figures.get("velocities")
     if outcome.over <= 1 or rows is None or cube.components.kx.size != 2 or aligned_window(subject) != "box":
@@ -102,14 +103,19 @@ def _explained(subject: Subject, cube: Cube, outcome: Outcome) -> Outcome:
     if not (np.isfinite(tanh).all() and (still > 0).all()):
         return outcome
     if np.abs(tanh - 1).max() < NO_BOTTOM:
-        return replace(outcome, message=f"{outcome.message}. That is right in deep water")
+        return replace(outcome, message=f"{_plain(outcome)}. That is right in deep water")
     with np.errstate(divide="ignore", invalid="ignore"):
         depth = np.arctanh(tanh) / k
     if np.isfinite(depth).all() and np.ptp(depth) < SAME * depth.mean():
         return replace(
-            outcome, message=f"{outcome.message}. That is right in a depth of {_shown(subject, cube, depth)}"
+            outcome, message=f"{_plain(outcome)}. That is right in a depth of {_shown(subject, cube, depth)}"
         )
     return outcome
+
+
+def _plain(outcome: Outcome) -> str:
+    """Its message without what a right code of another make would be told: this one is wrong about the water."""
+    return outcome.message.partition("; that is within the resolution")[0]
 
 
 def _shown(subject: Subject, cube: Cube, depth: FloatArray) -> str:
@@ -144,7 +150,7 @@ def check_aligned(subject: Subject, case: Case) -> Outcome:
     water = replace(inputs.still(), depth=case.given["depth"])
     cube, more = _pair(grid, near, water), _many(grid, near, water)
     return each_method(
-        subject, lambda method: _explained(subject, cube, judge_exactly(subject, cube, method, more=more))
+        subject, lambda method: explained(subject, cube, judge_exactly(subject, cube, method, more=more))
     )
 
 
@@ -156,6 +162,7 @@ def check_aligned(subject: Subject, case: Case) -> Outcome:
         _case("0.9", {"depth": 0.9, "current": (5, -5)}),
         _case("1.6", {"depth": 1.6, "current": (-5, 0)}, quick=False),
         _case("tension", {"surface_tension": TENSION, "current": (0, -5)}, water=SURFACE),
+        _case("film", {"depth": 0.8, "surface_tension": TENSION, "current": (5, 0)}, water=DEPTH + SURFACE),
     ],
 )
 def check_ring(subject: Subject, case: Case) -> Outcome:
@@ -199,7 +206,7 @@ def check_change(subject: Subject, case: Case) -> Outcome:
             raise Unanswered(Verdict.UNSUPPORTED, "gives no velocity where two waves are all there is") from None
         first, second = (np.asarray(one.figures["velocities"])[0] for one in both)
         worse = max(range(2), key=lambda n: np.inf if np.isnan(both[n].over) else both[n].over)
-        outcome = _explained(subject, (cube, other)[worse], both[worse])
+        outcome = explained(subject, (cube, other)[worse], both[worse])
         if outcome.over <= 1:
             return outcome
         told = (

@@ -21,6 +21,7 @@ from leakref.certify.checks.criteria import (
     vector,
     verdict,
 )
+from leakref.certify.checks.depth import explained
 from leakref.certify.checks.draw import drawing
 from leakref.certify.checks.exact import (
     EXACT,
@@ -43,6 +44,7 @@ from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Unanswered, Verdict
 from leakref.currents import UniformCurrent
+from leakref.dispersion import DEEP
 from leakref.sea import aligned_waves
 
 __all__ = [
@@ -84,7 +86,12 @@ def check_pair(subject: Subject, case: Case) -> Outcome:
     more = inputs.many(grid.shape, near)
     far = np.abs(np.hypot(cube.components.kx, cube.components.ky) - cube.wavenumbers) > grid.wavenumber_resolution / 2
     others = 2.0 if far.any() else 1.0  # what is interpolated at the wavenumber itself sees little of such waves
-    return each_method(subject, lambda method: judge_exactly(subject, cube, method, others=others, more=more))
+
+    def judge(method: str) -> Outcome:
+        outcome = judge_exactly(subject, cube, method, others=others, more=more)
+        return outcome if cube.water == DEEP else explained(subject, cube, outcome)  # as in which depth it answers
+
+    return each_method(subject, judge)
 
 
 @check(

@@ -26,11 +26,13 @@ from leakref.certify.verdict import Unanswered, Verdict
 from leakref.currents import UniformCurrent
 from leakref.grid import Grid
 
-__all__ = ["ENDS", "check_duration", "check_gravity", "check_peak", "shown_at"]
+__all__ = ["ENDS", "RIPPLING", "check_duration", "check_gravity", "check_peak", "shown_at"]
 
 LONG = Grid((40, 42, 144), (0.72, 0.7, 0.8))
 
 
+RIPPLING = 0.3
+"""S k0^2 / g: a code whose surface tension stands in it is shown no waves that feel it more."""
 ENDS = (16.0, 1 / 16)
 """The scales of the shortest and of the longest waves that a code is shown which says nothing of its waves."""
 CLOSE = (
@@ -78,6 +80,8 @@ def check_peak(subject: Subject, case: Case) -> Outcome:
     scale = shown.scale(case.given["scale"])
     if abs(np.log(scale)) < 1e-6:
         raise Unanswered(Verdict.UNSUPPORTED, "is made for no such waves")
+    if subject.still(scale).surface_tension > RIPPLING:
+        raise Unanswered(Verdict.UNSUPPORTED, "knows one surface tension, which makes such waves too fast for the cube")
     if subject.still(scale) == subject.still() and not shown.waves:
         cube = shown_at(subject, 1.0)
         return each_method(subject, lambda method: _another(subject, cube, window, method, scale=scale))
@@ -105,6 +109,8 @@ def check_gravity(subject: Subject, case: Case) -> Outcome:
     and seconds or as 1 or 10, is wrong by a large factor then."""
     if "gravity" in subject.declaration.untold:
         raise Unanswered(Verdict.UNSUPPORTED, "cannot be told the gravity")
+    if subject.still().surface_tension:
+        raise Unanswered(Verdict.UNSUPPORTED, "knows one surface tension, beside which another gravity is other water")
     window = tapered(subject)
     cube = inputs.sea(70.0, 100.0, UniformCurrent(polar(0.2, -30.0)), realization=11, wavenumbers=(1.3, 1.6, 2.0))
 

@@ -28,6 +28,7 @@ from leakref.certify.strength.maps import MAPS, common_map
 from leakref.certify.strength.maxima import other_maxima
 from leakref.certify.strength.replays import ENOUGH, Names, Scored
 from leakref.certify.strength.symptoms import symptoms
+from leakref.certify.subject.declaration import GIVEN
 from leakref.certify.subject.frames import OWN, Subject
 from leakref.certify.verdict import WRONG, Finding, Verdict
 from leakref.golden.sets import NEWEST
@@ -252,7 +253,7 @@ def diagnose(
     clues = gather(findings, seed, golden, _EVIDENCE)
     if not clues:
         return Diagnosis((), "")
-    for where, evidence, given in _attempts(findings, deep):
+    for where, evidence, given in _attempts(findings, declared, deep):
         hypotheses = [(), *given]
         for way in ways:
             best, plain = replays.tried(gather(evidence, seed, golden, _EVIDENCE), hypotheses, way, after_each)
@@ -270,9 +271,12 @@ def diagnose(
     return Diagnosis((), "unexplained: no fault of the list reproduces these answers")
 
 
-def _attempts(findings: Sequence[Finding], deep: bool) -> Iterator[tuple[str, Sequence[Finding], Iterable[Names]]]:
+def _attempts(
+    findings: Sequence[Finding], declared: Mapping[str, Any], deep: bool
+) -> Iterator[tuple[str, Sequence[Finding], Iterable[Names]]]:
     """What to compare with which hypotheses, one after the other, and how to say where it was compared."""
-    singles: list[Names] = [(name,) for name in faults.FAULTS]
+    told = GIVEN in (declared.get("water") or {}).values()  # else no depth is handed over that could be mistaken
+    singles: list[Names] = [(name,) for name, fault in faults.FAULTS.items() if told or fault.stage != "water"]
     yield "", findings, singles
     if deep:
         yield (

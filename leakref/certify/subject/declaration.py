@@ -27,6 +27,10 @@ WATER = ("depth", "surface_tension")
 GIVEN = "given"
 """Of a parameter that is handed over with each run."""
 _ENDS = 16.0  # times shorter or longer than usual: what a code is shown that says nothing of its waves
+_OF_WATER = {
+    "si": {"depth": (1e-4, 1.2e4), "surface_tension": (1e-9, 1e-3)},
+    "scaled": {"depth": (1e-3, 1e6), "surface_tension": (1e-12, 10.0)},
+}  # in which any code's are: the ocean is 11 km deep, and 0.07 is the surface tension of water in N/m
 _SHALLOWEST = 0.7  # k0 h: a code with one depth is shown shorter waves rather than such as feel the bottom more
 
 STAGES = ("window", "synthesize", "spectrum", "extract")
@@ -112,7 +116,10 @@ class Declaration:
                 Verdict.ERROR, f"declares fixed = {fixed!r}, should be a list of parameter names, each once"
             )
         words: dict[str, Any] = {name: str(known[name]) for name in (*_DEFAULT, "format")}
-        rest: dict[str, Any] = {"cube": _cube(known.get("cube", {})), "water": _water(known.get("water", {}))}
+        rest: dict[str, Any] = {
+            "cube": _cube(known.get("cube", {})),
+            "water": _water(known.get("water", {}), known["units"]),
+        }
         rest |= {"waves": _waves(known.get("waves", {}), words["units"]), "can": dict(can), "fixed": tuple(fixed)}
         return cls(**words, **rest)
 
@@ -166,16 +173,15 @@ class Declaration:
         """Its units of a sea whose peak is shown at `scale` times the usual one, under `gravity` times the usual one.
 
         A code in SI is shown the sea at 9.81 m/s2 with its peak at `PEAK`, in the middle of the `waves` that it is made
-        for if those are others, or at shorter ones if it knows one depth only in which they would be long; one in
-        scaled units with gravity 1 and its peak at 1.
+        for if those are others; one in scaled units with gravity 1 and its peak at 1. One that knows one depth only in
+        which these would be long is shown shorter ones.
         """
-        if self.units != "si":
-            return Scales(scale, gravity)
+        usual, unit = (PEAK, GRAVITY) if self.units == "si" else (1.0, 1.0)
         longest, shortest = self.peaks
-        peak = PEAK if longest <= PEAK <= shortest else float(np.sqrt(longest * shortest))
+        peak = usual if longest <= usual <= shortest else float(np.sqrt(longest * shortest))
         depth = self.water.get("depth", GIVEN)
         peak = max(peak, 0.0 if depth == GIVEN else min(_SHALLOWEST / depth, shortest))
-        return Scales(scale * peak, gravity * GRAVITY)
+        return Scales(scale * peak, gravity * unit)
 
     @property
     def peaks(self) -> tuple[float, float]:
@@ -311,7 +317,7 @@ def _waves(waves: Any, units: str) -> dict[str, Any]:
     return found
 
 
-def _water(water: Any) -> dict[str, Any]:
+def _water(water: Any, units: str) -> dict[str, Any]:
     """What it says of the water. Raises Unanswered (error)."""
     told = {name: water[name] for name in WATER if water.get(name) is not None} if isinstance(water, Mapping) else None
     if told is None or not all(value == GIVEN or _above_zero(value) for value in told.values()):
@@ -320,6 +326,14 @@ def _water(water: Any) -> dict[str, Any]:
             f"declares water = {water!r}, should be an object with depth or surface_tension, each {GIVEN!r} if it is "
             "handed over, or the number that stands in the code, above zero; for deep water leave depth out",
         )
+    limits = _OF_WATER[units]
+    for name, value in told.items():
+        if value != GIVEN and not limits[name][0] <= value <= limits[name][1]:
+            raise Unanswered(
+                Verdict.ERROR,
+                f"declares {name} = {value:g}, which no water has: from {limits[name][0]:g} to {limits[name][1]:g} "
+                + ("m" if name == "depth" else "m3/s2, that in N/m over the density") * (units == "si"),
+            )
     return {name: value if value == GIVEN else float(value) for name, value in told.items()}
 
 

@@ -16,7 +16,7 @@ A session, as lines of JSON on the program's standard input (`>`) and output (`<
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -235,7 +235,8 @@ class ProcessSubject(Subject):
         axes = [grid.samples(axis) for axis in range(3)]
         try:
             if "extract" in declared.can:
-                self.extract(synthesize(waves, *axes), grid.spacing, [1.2], window=declared.windows[0])
+                water = replace(self.still(), depth=2.0) if "depth" in declared.told else None  # not 100 / k0 at once
+                self.extract(synthesize(waves, *axes), grid.spacing, [1.2], window=declared.windows[0], water=water)
             elif "spectrum" in declared.can:
                 self.spectrum(synthesize(waves, *axes), grid.spacing, _first(declared, "spectrum", "windows"))
             elif "synthesize" in declared.can:
