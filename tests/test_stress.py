@@ -183,11 +183,11 @@ def curve(*means, levels=(10, 20, 40), name="jitter"):
     [
         ((0.4, 0.4, 0.6, 1.4), "at 25 px", "at 30 px"),
         ((0.4, 0.5, 0.6, 0.7), "not within what was tried", "not within what was tried"),
-        ((0.4, 0.9, 0.6, 0.7), "from 10 px on, the mildest", "not within what was tried"),
+        ((0.4, 0.9, 0.6, 0.7), "already at 10 px, the mildest", "not within what was tried"),
         ((1.1, 1.1, 1.1, 1.1), "not within what was tried", "already in the seas as they are"),
         ((0.4, 0.4, None, 1.2), "at 25 px", "at 32 px"),
         ((0.4, 0.4, None, None), "no answer from 20 px on", "no answer from 20 px on"),
-        ((0.4, 1.4, None, None), "from 10 px on, the mildest", "from 10 px on, the mildest"),
+        ((0.4, 1.4, None, None), "already at 10 px, the mildest", "already at 10 px, the mildest"),
         ((0.0, 0.0, 0.0, 0.0), "not within what was tried", "not within what was tried"),
         ((0.4, 0.4, 1.2, 0.3), "at 15 px", "at 18 px"),  # the first time counts
     ],
@@ -199,7 +199,7 @@ def test_breakdowns_lie_between_levels(means, doubles, passes):
     assert (
         np.isnan(level)
         if "px" not in doubles or "no answer" in doubles
-        else doubles.startswith((f"at {level:g}", f"from {level:g}"))
+        else doubles.startswith((f"at {level:g}", f"already at {level:g}"))
     )
 
 
@@ -344,7 +344,7 @@ def test_integers_that_wrap_around_show_up(bits, kind):
     assert "not within" in found.reference.doubles.words
     assert found.own.mean[1] > 2 * found.own.mean[0]
     assert found.own.mean[0] == pytest.approx(found.reference.mean[0], abs=1e-9)
-    assert f"error doubled: from {bits} bits on, the mildest" in found.words
+    assert f"error doubled: already at {bits} bits, the mildest" in found.words
 
 
 def with_harmonics(exchanged):

@@ -166,10 +166,10 @@ STRESSES = (
     Stress("noise", "white noise, signal to noise", " dB", (20, 10, 5, 0, -5, -10, -15), noise),
     Stress("grey", "grey values in whole numbers", " bits", (16, 12, 8, 6, 4, 3, 2), grey),
     Stress("slope", "slope along x in place of elevation", " %", (25, 50, 75, 100), slope),
-    Stress("crests", "only what is above a threshold, in standard deviations", "", (-1, 0, 1, 1.5, 2), crests),
+    Stress("crests", "only crests are seen, above a threshold", " sigma", (-1, 0, 1, 1.5, 2), crests),
     Stress("harmonics", "bound second harmonics", " %", (5, 10, 20, 30), harmonics),
     Stress("jitter", "every frame displaced at random", " pixels", (0.25, 0.5, 1, 2), jitter),
-    Stress("column", "one column that flickers, by so many standard deviations", "", (1, 3, 10, 30), column),
+    Stress("column", "a bad column, which flickers", " sigma", (0.3, 1, 3, 10, 30), column),
     Stress("lost", "frames lost without a word, of 80", " frames", (1, 2, 4, 8, 16), lost),
     Stress("platform", "a moving platform", " c0", (0.1, 0.2, 0.3, 0.4, 0.5), platform, moves=True),
 )
@@ -239,7 +239,7 @@ class Curve:
             return Breakdown(np.nan, "already in the seas as they are" if over.size else "not within what was tried")
         n, before = int(over[0]), int(there[there < over[0]][-1])
         if before == 0:
-            return Breakdown(float(levels[n]), f"from {levels[n]:g}{unit} on, the mildest")
+            return Breakdown(float(levels[n]), f"already at {levels[n]:g}{unit}, the mildest")
         part = (1 - ratio[before]) / (ratio[n] - ratio[before])
         level = float(levels[before] + part * (levels[n] - levels[before]))
         return Breakdown(level, f"at {level:.2g}{unit}")
