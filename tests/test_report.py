@@ -13,8 +13,8 @@ import pytest
 from markupsafe import escape
 
 from leakref.certify import commands
-from leakref.certify.bias import SEAS, bias, figure
 from leakref.certify.certificate import Certificate
+from leakref.certify.measures.bias import SEAS, bias, figure
 from leakref.certify.report import badge, page
 from leakref.certify.runner import select
 from leakref.certify.subject.inprocess import InProcess

@@ -42,17 +42,16 @@ class Certificate:
     """All findings of one run over a `target`, with its `declaration` as printed on it.
 
     `known` are the failures that were said to be known; `diagnosis` the faults of the reference that reproduce the
-    failures, best first, with an `explanation` in words; `departs_at` the first stage that goes its own way. `bias`
-    says how biased it is, sea by sea (full profile; `leakref.certify.bias`).
+    failures, best first, with an `explanation` in words; `departs_at` the first stage that goes its own way. `bias` and
+    `stress` say how large its errors are, also of poor sensors (full profile; `leakref.certify.measures`).
 
-    - `target`: what was judged, as on the command line.
-    - `profile`: `quick` or `full`; `golden`: the golden set compared with, such as `v1`.
+    - `target`: as on the command line; `profile`: `quick` or `full`; `golden`: the set compared with, such as `v1`.
     - `declaration`: what the code says of itself, as `Declaration.record` gives it.
     - `findings`: one for each check and case, in the order of the families, whatever order they were found in.
     - `known`: by finding id; `diagnosis`: records of `Hypothesis`, empty where nothing fell short or nothing explains
       it.
     - `departs_at`: `window`, `synthesize`, `spectrum` or `extract`, or empty.
-    - `bias`: records of `Bias`, empty in the quick profile and where no velocities are offered.
+    - `bias`, `stress`: their records, empty in the quick profile and where no velocities are offered.
     - `seconds`: wall time of the run; `date`: when it ended, in UTC.
     - `seed`: of the questions that are drawn (`checks.draw`); `only`: the patterns by which some were chosen, if any.
     - `methods`: those it was judged by; `alike`: those of the reference as which it answers a broad sea; `scales`: the
@@ -74,6 +73,7 @@ class Certificate:
     explanation: str = ""
     departs_at: str = ""
     bias: Sequence[Mapping[str, Any]] = ()
+    stress: Sequence[Mapping[str, Any]] = ()
     seconds: float = 0.0
     date: str = ""
     seed: int = PUBLISHED
@@ -90,10 +90,7 @@ class Certificate:
 
     @property
     def counts(self) -> dict[str, int]:
-        """How many findings there are of each verdict.
-
-        Keys are the words of the verdicts (`pass`, `fail`, ...); those that do not occur are left out.
-        """
+        """How many findings there are of each verdict that occurs, by its word (`pass`, `fail`, ...)."""
         return dict(Counter(str(f.verdict) for f in self.findings))
 
     @property
@@ -227,6 +224,7 @@ class Certificate:
                 explanation=self.explanation,
                 departs_at=self.departs_at,
                 bias=list(self.bias),
+                stress=list(self.stress),
                 known=known,
             )
         )

@@ -1,7 +1,7 @@
 """The commands that judge a code: certify, explain; what they print and write.
 
 `run` is the whole of `leakref certify`: it refuses what cannot be right before anything is started, runs the checks
-with a progress bar, has failures explained and, in the full profile, the bias measured, and then prints and writes.
+with a progress bar, has failures explained and, in the full profile, bias and stress measured, then prints and writes.
 What has been found is printed even if it is interrupted on the way. Help texts and options are in `leakref.cli`.
 """
 
@@ -179,7 +179,7 @@ def run(request: Request, *, json: bool = False) -> int:
         console().print(f"[red]Could not judge:[/] {escape(str(broken))}", soft_wrap=True)
         return 3
     found = _named(found, request)
-    pictures: list[dict[str, str]] = []
+    pictures: list[dict[str, Any]] = []
     try:
         if found.wrong and request.diagnosis:
             with progress_bar("faults and repairs tried on what fell short", None) as step:
@@ -189,7 +189,7 @@ def run(request: Request, *, json: bool = False) -> int:
                 found = explain(found, again, deep=request.deep, after_each=step)
         if request.profile == "full" and found.grade is not None and not request.only:
             session = connect(request.target, command, limits=limits, waves=request.given_waves)
-            found, pictures = _biased(found, session)
+            found, pictures = _measured(found, session)
     except KeyboardInterrupt:  # what has been found is not lost
         found = replace(found, cut_short="interrupted when all had been asked, before it was looked into further")
     found = replace(found, seconds=perf_counter() - start)
@@ -199,7 +199,7 @@ def run(request: Request, *, json: bool = False) -> int:
     return found.status
 
 
-def _give(found: Certificate, request: Request, pictures: Sequence[Mapping[str, str]], *, json: bool) -> None:
+def _give(found: Certificate, request: Request, pictures: Sequence[Mapping[str, Any]], *, json: bool) -> None:
     """Print and write what there is, all of it or what was found before somebody lost patience."""
     written = _write(found, request.report, pictures)
     if found.cut_short:
@@ -235,23 +235,32 @@ def _split(command: str) -> list[str]:
     return words
 
 
-def _biased(found: Certificate, session: ProcessSubject) -> tuple[Certificate, list[dict[str, str]]]:
-    """With how biased it is, sea by sea, and a picture of that for the page. In a session of its own, since the one of
-    the checks has ended. Nothing is measured where it offers no velocities.
+def _measured(found: Certificate, session: ProcessSubject) -> tuple[Certificate, list[dict[str, Any]]]:
+    """With how biased it is, sea by sea, what poor sensors make of it, and pictures of both for the page. In a session
+    of its own, since the one of the checks has ended. Nothing is measured where it offers no velocities.
     """
-    from leakref.certify.bias import REALIZATIONS, SCALES, SEAS, bias, figure
+    from leakref.certify.measures import stress, stressfigure
+    from leakref.certify.measures.bias import REALIZATIONS, SCALES, SEAS, bias, figure
 
     if "extract" not in found.declaration["can"]:
         return found, []
+    pictures: list[dict[str, Any]] = []
     cubes = len(SEAS) * len(SCALES) * REALIZATIONS
-    with session as subject, progress_bar("seas, for the bias", cubes) as step:
-        rows = bias(subject, after_each=step)
-    words = "; ".join(f"{row.sea.name}, scale {row.scale:g}: {row.words}" for row in rows)
-    picture = {"title": "How biased it is", "words": f"{words}.", "data": b64encode(figure(rows)).decode()}
-    return replace(found, bias=[row.record() for row in rows]), [picture] if rows else []
+    with session as subject:
+        with progress_bar("seas, for the bias", cubes) as step:
+            rows = bias(subject, after_each=step)
+        with progress_bar("seas as poor sensors see them", stress.CUBES) as step:
+            stresses = stress.stress(subject, after_each=step)
+    if rows:
+        words = "; ".join(f"{row.sea.name}, scale {row.scale:g}: {row.words}" for row in rows)
+        pictures.append({"title": "How biased it is", "words": f"{words}.", "data": b64encode(figure(rows)).decode()})
+    if stresses:
+        pictures.append(stressfigure.picture(stresses))
+    found = replace(found, bias=[row.record() for row in rows], stress=[one.record() for one in stresses])
+    return found, pictures
 
 
-def _write(found: Certificate, report: Path | None, pictures: Sequence[Mapping[str, str]]) -> list[Path]:
+def _write(found: Certificate, report: Path | None, pictures: Sequence[Mapping[str, Any]]) -> list[Path]:
     """The certificate as a page, a badge, JSON and JUnit XML; the paths written."""
     if report is None:
         return []
@@ -271,7 +280,7 @@ def _write_text(text: str, path: Path) -> None:
 
 
 def _print(found: Certificate, written: Sequence[Path], only: Sequence[str]) -> None:
-    """The table, what is wrong with its reason and how to see it again, the bias, known and stale failures, the
+    """The table, what is wrong with its reason and how to see it again, bias and stress, known and stale failures, the
     diagnosis, and at the end the grade in words. A reason is printed once for each check, however many of its cases
     fell short.
     """
@@ -296,6 +305,8 @@ def _print(found: Certificate, written: Sequence[Path], only: Sequence[str]) -> 
         show.print(f"... and {len(found.unexpected) - _SHOWN} more; --json or --report has all of them.")
     for row in found.bias:
         show.print(f"bias, {escape(row['sea'])} sea, scale {row['scale']:g}: {escape(row['words'])}", soft_wrap=True)
+    for row in found.stress:
+        show.print(f"stress, {escape(row['words'])}", soft_wrap=True)
     for finding in found.findings:
         if finding.id in found.known and finding.verdict is not Verdict.PASS:
             known = found.known[finding.id]

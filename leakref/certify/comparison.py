@@ -35,7 +35,7 @@ __all__ = ["Cell", "Code", "differing", "page", "read", "read_all", "run", "unli
 _SCHEMA = "leakref/certify/1"
 _REMEDY = "name a certificate.json that `leakref certify --report` wrote"
 _COVERAGE = ("asked", "judged", "missing", "unsupported")
-_LATER = {"grade_line", "coverage", "scope", "seed", "date", "complete", "cut_short"}
+_LATER = {"grade_line", "coverage", "scope", "seed", "date", "complete", "cut_short", "stress"}
 """What certificates of an earlier leakref lack."""
 _WORDS = {  # what is shown of them besides, and is not in their schema
     "declaration": {"properties": {name: {"type": "string"} for name in ("name", "version")}},

@@ -25,6 +25,7 @@ from leakref.certify.verdict import Finding, Verdict
 __all__ = ["badge", "page", "sentence"]
 
 _COLOURS = {"conformant": "#00695c", "sound": "#00695c", "rejected": "#b3261e", NO_GRADE: "#8a6100"}
+_SENSORS = ("noise", "a camera that moves")
 _MOST = 12  # wavenumbers in a drawing
 
 
@@ -55,8 +56,9 @@ def sentence(certificate: Certificate) -> str:
     return f"Right wherever it was judged{'' if compared else ', and compared with no golden value'}.{refused}"
 
 
-def page(certificate: Certificate, pictures: Sequence[Mapping[str, str]] = ()) -> str:
-    """One self-contained page of HTML, readable without scripts. `pictures`: title, words, and data, PNG in base64.
+def page(certificate: Certificate, pictures: Sequence[Mapping[str, Any]] = ()) -> str:
+    """One self-contained page of HTML, readable without scripts. `pictures`: title, words, and data, PNG in base64; a
+    `table` of `head` and `rows` stands above where there is one.
 
     First stands what was certified: grade, coverage, scope, diagnosis, whose it is and when. Findings follow by family;
     of each check the first one that is wrong is open, the others are folded away, and what is unsupported is one line.
@@ -72,7 +74,7 @@ def page(certificate: Certificate, pictures: Sequence[Mapping[str, str]] = ()) -
         certificate=certificate,
         said=certificate.declaration,
         scope=certificate.scope()["words"],
-        untested=_untested(certificate.declaration.get("water") or {}),
+        untested=_untested(certificate),
         version=__version__,
         pictures=pictures,
         grade_class=certificate.grade or "unjudged",
@@ -93,11 +95,13 @@ def badge(certificate: Certificate) -> str:
     return template("badge.svg").render(grade=line, width=62 + round(6.4 * len(line)), colour=colour)
 
 
-def _untested(water: Mapping[str, Any]) -> str:
-    """What no question was about, for a code that declares this of the water."""
+def _untested(certificate: Certificate) -> str:
+    """What no question was about, by what its code declares of the water and by whether stress was measured."""
+    water = certificate.declaration.get("water") or {}
     names = {"depth": "other depths", "surface_tension": "surface tension"}
     words = [words for name, words in names.items() if water.get(name) != GIVEN]
-    said = ", ".join([*words, "breaking or nonlinear waves", "noise", "a camera that moves"])
+    sensors = ["poor sensors beyond what stands below under stress"] if certificate.stress else _SENSORS
+    said = ", ".join([*words, "breaking or nonlinear waves", *sensors])
     return said[0].upper() + said[1:]
 
 

@@ -27,8 +27,8 @@ from leakref import __version__, fast, runs, sources
 from leakref._base import FloatArray, LeakrefError, Trouble, refusal
 from leakref._output import plain
 from leakref.cases import Configuration, configurations
-from leakref.certify.bias import SEAS
 from leakref.certify.checks.inputs import Cube
+from leakref.certify.measures.bias import SEAS
 from leakref.certify.subject.frames import ASKED, GRAVITY, PEAK, Subject
 from leakref.certify.verdict import Unanswered, printable
 from leakref.currents import UniformCurrent
@@ -184,7 +184,7 @@ def _rounded(values: FloatArray) -> list[float | None]:
 
 
 def scene(name: str) -> Scene:
-    """The scene called `name`: a configuration of the paper, or a sea of `leakref.certify.bias`. LeakrefError if none.
+    """The scene called `name`: a configuration of the paper, or a sea of `measures.bias.SEAS`. LeakrefError if none.
 
     A case of several configurations is refused: each is a scene.
     """

@@ -28,7 +28,7 @@ from leakref.certify.verdict import Unanswered
 from leakref.currents import UniformCurrent
 from leakref.grid import Grid
 
-__all__ = ["REALIZATIONS", "SCALES", "SEAS", "Bias", "Sea", "bias", "figure"]
+__all__ = ["REALIZATIONS", "SCALES", "SEAS", "Bias", "Sea", "bias", "figure", "own_window"]
 
 SCALES = (1.0, 4.0)
 """Peak wavenumbers, in units of the usual one: in SI waves of 25 m and of 6 m."""
@@ -192,16 +192,11 @@ def bias(
     A realisation that it does not answer is left out; a sea in which it answers fewer than two is left out. Calls
     `after_each` for every cube.
 
-    The window is the taper that the checks of leakage use for this code (`criteria.tapered`), or its first window if it
-    offers none of that kind; the method is the first it declares. Every realisation is shown at all `scales`. Returned
+    The window is `own_window`, the method the first it declares. Every realisation is shown at all `scales`. Returned
     is one `Bias` for each sea and scale, in that order. That a code does not answer is never raised.
     """
     identify(subject)
-    method, found = subject.methods[0], []
-    try:
-        window = tapered(subject)
-    except Unanswered:
-        window = subject.declaration.windows[0]
+    method, window, found = subject.methods[0], own_window(subject), []
     for sea in seas:
         for scale in scales:
             pairs = []
@@ -213,6 +208,14 @@ def bias(
             if len(answered) >= 2:
                 found.append(_summed(sea, scale, method, np.array(answered)))
     return found
+
+
+def own_window(subject: Subject) -> str:
+    """The taper that the checks of leakage use for this code, or its first window if it offers none of that kind."""
+    try:
+        return tapered(subject)
+    except Unanswered:
+        return subject.declaration.windows[0]
 
 
 def _errors(subject: Subject, cube: Cube, window: str, method: str, scale: float) -> FloatArray | None:
