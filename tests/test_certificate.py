@@ -127,7 +127,7 @@ def test_the_scope_is_what_was_answered():
     )
     assert (si.scope()["seed"], si.scope()["golden"], si.scope()["depth"]) == (5, "v1", "deep")
     scaled = replace(si, declaration={**si.declaration, "units": "scaled"}, methods=("own",), scales=(1.0,))
-    assert "of 0.75 c0 (c0: phase speed of the peak) at most" in scaled.scope()["words"]
+    assert "of 0.75 c0 (c0: sqrt(g / k0)) at most" in scaled.scope()["words"]
     assert scaled.scope()["words"].endswith("; no method named, so held to no digits (declare nsp or ls to be).")
 
 
