@@ -88,6 +88,10 @@ def _depth(failed: Sequence[Finding]) -> Iterator[Hypothesis]:
             instead = f"; it answers as in {depth.partition('.  ')[0]}" if depth else ""
             yield said("depth-unused", f"the depth that it is handed is not used{instead}")
             return
+    told = Counter(f.message.partition("That is right in ")[2] for f in failed if f.id.startswith("recovery.pair"))
+    for depth, count in told.most_common(1):
+        if depth and count >= _AT_LEAST:
+            yield said("another-depth", f"it answers as in {depth}, and not in the depth that it declares")
 
 
 def _unanswered(failed: Sequence[Finding]) -> Iterator[Hypothesis]:
