@@ -17,7 +17,7 @@ from typer.testing import CliRunner
 
 from leakref import bench, figures
 from leakref.cases import PAPER_CASES
-from leakref.certify import bias
+from leakref.certify.measures import bias
 from leakref.chain import analyse
 from leakref.claims import CLAIMS
 from leakref.claims.pictures import decisions_figure, picture

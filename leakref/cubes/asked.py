@@ -108,7 +108,7 @@ class Assumed:
             "step": f"dx, dy {dx}, {dy} {length}".rstrip() + f", dt {dt} {time}".rstrip(),
         }
         source = {**self.sources, "variable": self.sources.get("axes", "")}
-        words = (text + f" ({source[name]})" * bool(source.get(name)) for name, text in said.items() if text)
+        words = (text + (f" ({source[name]})" if source.get(name) else "") for name, text in said.items() if text)
         return f"Taken: {'; '.join(words)}."
 
 
