@@ -161,6 +161,7 @@ def pool(workers: int) -> Iterator[Executor | None]:
         try:
             yield executor
         except BrokenProcessPool:
+            context.kill()  # one that is just starting may never hear that the pool is broken
             raise Trouble(
                 "run",
                 "a worker process died, perhaps for want of memory",
