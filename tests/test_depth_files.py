@@ -211,7 +211,7 @@ def test_what_is_assumed_stands_in_the_line_the_table_and_the_figures(tmp_path, 
     words = ["extract", str(path), "--depth", "5cm", "--surface-tension", "72.9 cm3/s2", "--out", str(tmp_path / "out")]
     done = CliRunner().invoke(app, words, catch_exceptions=False)
     first, flat = done.stdout.splitlines()[0], " ".join(done.stdout.split())
-    assert "depth 0.05 m, surface tension 7.29e-05 m3/s2 (--depth)" in first
+    assert "depth 0.05 m (--depth); surface tension 7.29e-05 m3/s2 (--surface-tension)" in first
     assert "nsp, depth 0.05 m, surface tension 7.29e-05 m3/s2, in m/s" in flat
     assert "depth 0.05 m, surface tension 7.29e-05 m3/s2" in (tmp_path / "out/extract.svg").read_text()
     with xarray.open_dataset(tmp_path / "out/extract.nc") as kept:
