@@ -217,7 +217,10 @@ def test_what_is_assumed_stands_in_the_line_the_table_and_the_figures(tmp_path, 
     with xarray.open_dataset(tmp_path / "out/extract.nc") as kept:
         assert (kept.attrs["depth"], kept.attrs["surface_tension"]) == (0.05, pytest.approx(7.29e-5))
     plain = CliRunner().invoke(app, ["extract", str(path), "--surface-tension", "water"], catch_exceptions=False)
-    assert "deep water, surface tension 7.29e-05 m3/s2 (by default; --depth if not)" in plain.stdout.splitlines()[0]
+    assert (
+        "deep water (by default; --depth if not); surface tension 7.29e-05 m3/s2 (--surface-tension)"
+        in plain.stdout.splitlines()[0]
+    )
 
 
 def test_an_option_goes_before_the_file_and_that_they_differ_is_said(tmp_path, seas):
