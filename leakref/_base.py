@@ -19,10 +19,12 @@ __all__ = [
     "IntArray",
     "LeakrefError",
     "Trouble",
+    "deviation_of_known",
     "finite",
     "installed_with",
     "integer",
     "levelled",
+    "mean_of_known",
     "number",
     "positive",
     "refusal",
@@ -173,3 +175,16 @@ def vector(call: str, **vectors: npt.ArrayLike) -> None:
     for name, value in vectors.items():
         if finite(call, name, value).shape != (2,):
             raise LeakrefError(call, f"{name} = {value!r} is not a vector", "give two components (x, y)")
+
+
+def mean_of_known(values: FloatArray, axis: int = 0) -> FloatArray:
+    """The mean along an axis of those that are numbers; NaN where none is."""
+    count = np.isfinite(values).sum(axis=axis)
+    return np.where(count > 0, np.nansum(values, axis=axis) / np.maximum(count, 1), np.nan)
+
+
+def deviation_of_known(values: FloatArray) -> FloatArray:
+    """The standard deviation along the first axis of those that are numbers, with n - 1; NaN of fewer than two."""
+    count = np.isfinite(values).sum(axis=0)
+    squares = np.nansum((values - mean_of_known(values)) ** 2, axis=0)
+    return np.where(count > 1, np.sqrt(squares / np.maximum(count - 1, 1)), np.nan)

@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from leakref import fast
-from leakref._base import FloatArray, IntArray
+from leakref._base import FloatArray, IntArray, deviation_of_known, mean_of_known
 from leakref.cases import Configuration
 from leakref.chain import analyse, transform
 from leakref.dispersion import velocity_resolutions
@@ -67,21 +67,19 @@ class Ensemble:
         In still water it is the bias of the paper. With a current it is not the error: see `claims.words` and
         `planning.plan.Expected` for |c - U|.
         """
-        return _mean(self.magnitudes)
+        return mean_of_known(self.magnitudes)
 
     @property
     def random(self) -> FloatArray:
         """Standard deviation of |c|, (n,), with n - 1 (decision D12); the paper's figures show twice this. NaN where
         fewer than two realisations have a number.
         """
-        off = self.magnitudes - self.bias
-        few = self.count < 2
-        return np.where(few, np.nan, np.sqrt(np.nansum(off**2, axis=0) / np.where(few, 1, self.count - 1)))
+        return deviation_of_known(self.magnitudes)
 
     @property
     def mean(self) -> FloatArray:
         """Mean vector, (n, 2). Unlike the bias it tends to zero where velocities scatter evenly about zero."""
-        return _mean(self.velocities)
+        return mean_of_known(self.velocities)
 
     @property
     def standard_error(self) -> FloatArray:
@@ -124,11 +122,6 @@ def statistics_record(e: Any, realizations: int) -> dict[str, Any]:
         "resolution_wavenumber": wavenumber,
         "realizations": realizations,
     }
-
-
-def _mean(values: FloatArray) -> FloatArray:
-    count = np.isfinite(values).sum(axis=0)
-    return np.where(count == 0, np.nan, np.nansum(values, axis=0) / np.maximum(count, 1))
 
 
 def realize(

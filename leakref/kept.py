@@ -75,8 +75,12 @@ def keep_arrays(path: Path, about: About, **contents: np.ndarray) -> None:
     `path` is an npz file; folders above are made if need be by `write_whole`. Names are free, but for `about` and
     `sha256`.
     """
-    sealed = {"about": np.array(_text(about)), "sha256": np.array(_seal(_text(about), contents))}
-    write_whole(path, lambda beside: np.savez(beside, **contents, **sealed))  # type: ignore[arg-type]
+    sealed: dict[str, Any] = {
+        "about": np.array(_text(about)),
+        "sha256": np.array(_seal(_text(about), contents)),
+        **contents,
+    }
+    write_whole(path, lambda beside: np.savez(beside, **sealed))
 
 
 def arrays(path: Path, about: About, **shapes: tuple[int, ...]) -> dict[str, np.ndarray] | None:

@@ -47,13 +47,14 @@ class Examined:
         """Skip, with the reason, what it does not offer."""
         if not self.subject.offers(stage, **asked):
             what = ", ".join(f"{name} {value}" for name, value in asked.items())
-            pytest.skip(f"{self.subject.declaration.name} does not offer {stage}{f' with {what}' * bool(what)}")
+            name = self.subject.declaration.name  # which then has nothing that could be held
+            pytest.skip(f"{name} does not offer {stage}{f' with {what}' * bool(what)}")
 
     def methods(self, *, band: bool = True) -> Sequence[str]:
         """Its extractions; skips without any, or, unless `band`, if there is one velocity for all wavenumbers."""
         self.offered("extract")
         if self.subject.declaration.band and not band:
-            pytest.skip("gives one velocity for the whole band")
+            pytest.skip("gives one velocity for the whole band")  # this is of single wavenumbers
         identify(self.subject)
         return self.subject.methods
 

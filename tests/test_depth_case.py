@@ -8,6 +8,7 @@ from io import StringIO
 
 import numpy as np
 import pytest
+import xarray
 from rich.console import Console
 from test_figures import unreadable
 from typer.testing import CliRunner
@@ -130,7 +131,6 @@ def test_a_cube_of_deep_water_is_written_as_ever(tmp_path):
 
 
 def test_netcdf_gives_them_units(tmp_path):
-    xarray = pytest.importorskip("xarray")
     c = Configuration("small", length=1.5, duration=1.0, depth=0.5)
     path = files.write(tmp_path / "cube.nc", files.of_configuration(c, 0, Scales(0.4, 9.81)), "netcdf")
     with xarray.open_dataset(path, engine="h5netcdf") as data:

@@ -42,7 +42,7 @@ def settle(finding: Finding, target: str | None = None) -> None:
     """
     if finding.verdict in (Verdict.UNSUPPORTED, Verdict.MISSING):
         # nothing was judged, and a session in which nothing at all was judged fails (leakref.plugin.Judged)
-        pytest.skip(f"{finding.verdict}: {finding.message}")
+        pytest.skip(f"{finding.verdict}: {finding.message}")  # not offered, or not answered: neither right nor wrong
     if finding.verdict is not Verdict.PASS:
         over = "" if finding.over is None else f" ({finding.over:.3g} times the tolerance)"
         again = finding.repro.replace("TARGET", target) if target else _this_test()

@@ -42,5 +42,5 @@ def write(kind: str, folder: Path) -> list[Path]:
         if path.exists():
             raise LeakrefError("scaffold", f"{path} is there already", "name another folder")
     for path, text in texts.items():
-        write_whole(path, lambda beside, text=text: beside.write_bytes(text))  # type: ignore[misc]
+        write_whole(path, lambda beside, text=text: beside.write_bytes(text))  # type: ignore[misc]  # a default binds it
     return sorted(texts)

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from itertools import product
+from typing import Any
 
 from leakref.cases import PAPER_CASES, Configuration
 
@@ -47,7 +48,8 @@ ROTATIONS = ((60.0, 15.0), (60.0, 30.0), (75.0, 15.0), (45.0, 45.0))  # theta0 a
 
 def _configuration(case: str, varied: tuple[str, ...], **values: float) -> Configuration:
     """Numbers as floats: 60 and 60.0 are one sea, but would be kept as two."""
-    return Configuration(case, varied=varied, **{name: float(value) for name, value in values.items()})  # type: ignore[arg-type]
+    as_floats: dict[str, Any] = {name: float(value) for name, value in values.items()}
+    return Configuration(case, varied=varied, **as_floats)
 
 
 def sea(direction: float, spread: float, rotation: float = 0.0) -> Configuration:

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from leakref._base import FloatArray
+from leakref._base import FloatArray, mean_of_known
 from leakref.ensemble import Ensemble
 
 __all__ = [
@@ -109,8 +109,7 @@ class Sample:
     @property
     def mean(self) -> FloatArray:
         """(n,); NaN where no realisation has a number."""
-        count = np.isfinite(self.values).sum(axis=0)
-        return np.where(count == 0, np.nan, np.nansum(self.values, axis=0) / np.maximum(count, 1))
+        return mean_of_known(self.values)
 
     @property
     def error(self) -> FloatArray:

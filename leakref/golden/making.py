@@ -93,7 +93,8 @@ def _write(folder: Path, file: str, entries: Sequence[Entry]) -> list[str]:
         write_whole(folder / names[-1], partial(_write_raw, values))
     if arrays:
         names.append(Path(file).with_suffix(".npz").as_posix())
-        write_whole(folder / names[-1], lambda path: np.savez(path, **{n: arrays[n] for n in sorted(arrays)}))  # type: ignore[arg-type]
+        ordered: dict[str, Any] = {name: arrays[name] for name in sorted(arrays)}
+        write_whole(folder / names[-1], lambda path: np.savez(path, **ordered))
     return names
 
 

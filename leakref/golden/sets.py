@@ -236,7 +236,7 @@ class Golden:
         said = self.manifest.get("extends")
         if said is None:
             return None
-        base = Golden(self.folder.parent / said["set"])  # type: ignore[attr-defined]
+        base = Golden(self.folder.parent / said["set"])  # type: ignore[attr-defined]  # a Path; resources do not say so
         if base.manifest["sha256"] != said["sha256"]:
             fault = f"{said['set']} is another than the one that {self.manifest['set']} extends"
             raise Damaged("golden", fault, PUT_BACK)

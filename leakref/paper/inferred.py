@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from leakref import depth, kept, runs, sources
-from leakref._base import FloatArray, IntArray, LeakrefError
+from leakref._base import FloatArray, IntArray, LeakrefError, deviation_of_known, mean_of_known
 from leakref.cases import SHELLS, Configuration
 from leakref.depthscore import depth_resolutions
 from leakref.dispersion import velocity_unit
@@ -85,14 +85,12 @@ class Depths:
     @property
     def bias(self) -> FloatArray:
         """Mean of h / h_true - 1, (p,); NaN where there is none."""
-        return np.where(self.count > 0, np.nansum(self.off, axis=0) / np.maximum(self.count, 1), np.nan)
+        return mean_of_known(self.off)
 
     @property
     def random(self) -> FloatArray:
         """Standard deviation of h / h_true with n - 1, (p,); NaN of fewer than two."""
-        few = self.count < 2
-        square = np.nansum((self.off - self.bias) ** 2, axis=0)
-        return np.where(few, np.nan, np.sqrt(square / np.where(few, 1, self.count - 1)))
+        return deviation_of_known(self.off)
 
     @property
     def resolution(self) -> FloatArray:

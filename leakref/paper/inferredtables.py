@@ -17,7 +17,7 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 
 from leakref import runs
-from leakref._base import LeakrefError
+from leakref._base import LeakrefError, mean_of_known
 from leakref._output import console, dump, envelope, folder, progress_bar, write_whole
 from leakref._tables import Table
 from leakref.cases import Configuration
@@ -57,8 +57,7 @@ def record(e: Depths) -> dict[str, Any]:
     `current_x` and `current_y` are means of the velocity, which is zero in truth; `curvature` is the median of that of
     N over ln h.
     """
-    some = np.maximum(e.count, 1)[:, None]
-    velocity = np.where(e.count[:, None] > 0, np.nansum(e.velocities, axis=0) / some, np.nan)
+    velocity = mean_of_known(e.velocities)
     known = np.where(np.isfinite(e.curvature), e.curvature, 0.0)
     each = {"bias": e.bias, "random": e.random, "count": e.count, "current_x": velocity[:, 0],
             "current_y": velocity[:, 1], "curvature": np.median(known, axis=0)}  # fmt: skip

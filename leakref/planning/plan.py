@@ -218,7 +218,8 @@ def swept(campaign: Campaign, name: str, values: Sequence[float]) -> list[Campai
     if name == "field_of_view":
         x, y = campaign.field_of_view
         return [replace(campaign, field_of_view=(value, value * y / x)) for value in values]
-    return [replace(campaign, **{name: float(value)}) for value in values]  # type: ignore[arg-type]
+    fields: list[dict[str, Any]] = [{name: float(value)} for value in values]
+    return [replace(campaign, **field) for field in fields]
 
 
 @dataclass(frozen=True, eq=False)

@@ -24,7 +24,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.stats import t as student
 
-from leakref._base import FloatArray, positive
+from leakref._base import FloatArray, mean_of_known, positive
 from leakref.track.tracking import UNIT, Series
 
 __all__ = [
@@ -244,7 +244,8 @@ def _pairs(a: Series, b: Series, margin: float) -> Iterator[_Pair]:
         inside = in_band(k, low, high)
         if inside.any():
             mean = float(resolution[inside].mean())
-            p, q = (_mean(np.where(both, s, np.nan)[:, inside] if both is not None else s[:, inside]) for s in (x, y))
+            common = (np.where(both, s, np.nan) if both is not None else s for s in (x, y))
+            p, q = (mean_of_known(s[:, inside], axis=1) for s in common)
             yield _Pair(b, f"{low:g} to {high:g}", k[inside], p, q, margin * mean, mean, paired)
     declined, still = (np.mean(~np.isfinite(s), axis=1) for s in (x, y))
     yield _Pair(b, ANSWERS, k, declined, still, LOST, np.nan, paired)
@@ -257,9 +258,3 @@ def in_band(wavenumbers: FloatArray, low: float, high: float) -> npt.NDArray[np.
     """
     end = high + (1e-9 if high == BANDS[-1][1] else -1e-9)
     return (wavenumbers > low - 1e-9) & (wavenumbers < end)
-
-
-def _mean(errors: FloatArray) -> FloatArray:
-    """Over shells, (R, n) -> (R,); NaN where there is none."""
-    count = np.isfinite(errors).sum(axis=1)
-    return np.where(count > 0, np.nansum(errors, axis=1) / np.maximum(count, 1), np.nan)

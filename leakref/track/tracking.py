@@ -24,7 +24,7 @@ import numpy as np
 import scipy
 
 from leakref import __version__, fast, runs, sources
-from leakref._base import FloatArray, LeakrefError, Trouble, refusal
+from leakref._base import FloatArray, LeakrefError, Trouble, deviation_of_known, mean_of_known, refusal
 from leakref._output import plain
 from leakref.cases import Configuration, configurations
 from leakref.certify.checks.inputs import Cube
@@ -129,13 +129,12 @@ class Series:
     @property
     def bias(self) -> FloatArray:
         """Mean error, (n,); NaN without an answer."""
-        return np.where(self.count > 0, np.nansum(self.errors, axis=0) / np.maximum(self.count, 1), np.nan)
+        return mean_of_known(self.errors)
 
     @property
     def random(self) -> FloatArray:
         """Standard deviation of the error, (n,), with n - 1 (decision D12); NaN below two answers."""
-        squares = np.nansum((self.errors - self.bias) ** 2, axis=0)
-        return np.where(self.count > 1, np.sqrt(squares / np.maximum(self.count - 1, 1)), np.nan)
+        return deviation_of_known(self.errors)
 
     def record(self) -> dict[str, Any]:
         """As in a history: `errors` as rows of whole multiples of `unit`, null where there is no answer."""

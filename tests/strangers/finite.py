@@ -67,7 +67,10 @@ class Finite:
             if not np.isfinite(movie).all():
                 raise ValueError("NaN or infinity in the video")
             spectrum, fit = leastsquares.power_spectrum(movie, spacing, window), self._ls
-        still = lambda k: self.law(gravity, np.asarray(k, dtype=float), depth, surface_tension)  # noqa: E731
+
+        def still(k):
+            return self.law(gravity, np.asarray(k, dtype=float), depth, surface_tension)
+
         limit = np.pi / max(spacing[:2])
         return [None if k > limit else fit(spectrum, float(k), still, gravity) for k in wavenumbers]
 

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from scipy.stats import t as student
 
-from leakref._base import FloatArray
+from leakref._base import FloatArray, deviation_of_known, mean_of_known
 from leakref.certify.checks import inputs
 from leakref.certify.checks.criteria import expected, tapered
 from leakref.certify.checks.identity import identify
@@ -237,11 +237,7 @@ def _summed(sea: Sea, scale: float, method: str, errors: FloatArray) -> Bias:
     in which both codes have an answer somewhere, each reduced to its mean over the wavenumbers, so that its error
     counts realisations.
     """
-    with np.errstate(invalid="ignore"):
-        count = np.isfinite(errors).sum(axis=0)
-        mean = np.where(count > 0, np.nansum(errors, axis=0) / np.maximum(count, 1), np.nan)
-        squares = np.nansum((errors - mean) ** 2, axis=0)
-        spread = np.where(count > 1, np.sqrt(squares / np.maximum(count - 1, 1)), np.nan)
+    mean, spread = mean_of_known(errors), deviation_of_known(errors)
     both = np.where(np.isfinite(errors).all(axis=1, keepdims=True), errors, np.nan)
     used = np.isfinite(both).any(axis=(1, 2))
     mine, reference = np.nanmean(both[used], axis=2).T

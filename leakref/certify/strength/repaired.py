@@ -197,7 +197,7 @@ def _parsed(answer: Mapping[str, Any]) -> Any:
             found = np.ma.filled(given.astype(np.float64), np.nan)
             bad = ~np.isfinite(np.asarray(given)[~np.ma.getmaskarray(given)]).all()
         else:
-            rows = [row if row is None else [float(one) for one in row] for row in given]  # type: ignore[union-attr]
+            rows = [row if row is None else [float(one) for one in row] for row in given]  # type: ignore[union-attr]  # or it raises
             found = np.array([(np.nan, np.nan) if row is None else row for row in rows], dtype=np.float64)
             bad = not all(np.isfinite(row).all() for row in rows if row is not None)
         return answer if bad or found.shape[1:] != (2,) else (found, answer.get("wavenumbers"))
