@@ -76,9 +76,9 @@ def keep_arrays(path: Path, about: About, **contents: np.ndarray) -> None:
     `sha256`.
     """
     sealed: dict[str, Any] = {
+        **contents,
         "about": np.array(_text(about)),
         "sha256": np.array(_seal(_text(about), contents)),
-        **contents,
     }
     write_whole(path, lambda beside: np.savez(beside, **sealed))
 
