@@ -90,6 +90,12 @@ def explain(identifier: str) -> Explanation:
         found = look(identifier)
         if found is not None:
             return found
+    from leakref.cases import CASES
+
+    if identifier.partition("/")[0] in CASES:
+        raise LeakrefError(
+            "explain", f"{identifier} is a case", f"`leakref reproduce {identifier}` runs it; `leakref guide paper`"
+        )
     near = get_close_matches(identifier, list(dict.fromkeys(_names())), 4, 0.5)
     raise LeakrefError(
         "explain",

@@ -164,7 +164,7 @@ def test_a_code_that_answers_in_another_depth_than_it_declares_is_told_which():
     found = judged(code, "recovery.pair")
     assert "That is right in a depth of 4 m" in found.wrong[0].message
     told = explain(found, InProcess(code))
-    assert "it answers as in a depth of 4 m, and not in the depth that it declares" in told.explanation
+    assert "it is not in the depth that it declares: it answers as in a depth of 4 m" in told.explanation
     assert not {one["fault"] for one in told.diagnosis} & {f for f, one in FAULTS.items() if one.stage == "water"}
 
 

@@ -20,6 +20,7 @@ from leakref.cli import app
 from leakref.cubes import files
 from leakref.cubes.formats import variables
 from leakref.dispersion import DEEP, Scales, Water
+from leakref.explain import explain
 from leakref.paper import depth, reproduce
 from leakref.paper.depthfigure import depth_figure
 from leakref.paper.figures import stored
@@ -146,3 +147,10 @@ def test_the_command_exports_it(tmp_path):
     said = json.loads(done.stdout)
     assert (said["depth"], said["surface_tension"]) == (pytest.approx(3.5), 0)
     assert float(variables(out, ("depth",))["depth"]) == pytest.approx(3.5)
+
+
+@pytest.mark.parametrize("name", ["depth/kh=1", "L-T/L=5,T=10"])
+def test_a_case_is_no_id_to_explain_and_the_command_that_runs_it_is_told(name):
+    with pytest.raises(LeakrefError, match="is a case") as refused:
+        explain(name)
+    assert f"leakref reproduce {name}" in refused.value.remedy

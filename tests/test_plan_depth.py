@@ -14,6 +14,7 @@ from leakref import LeakrefError, Scales, Water, runs
 from leakref.cases import Configuration
 from leakref.cli.base import app
 from leakref.planning.advice import advice
+from leakref.planning.command import parse_sweep
 from leakref.planning.plan import GRAVITY, Campaign, expected, plan
 from leakref.planning.quantities import CLEAN_WATER
 
@@ -135,3 +136,10 @@ def test_what_no_water_has_is_refused(tmp_path, options, said):
 def test_in_python_too(wrong):
     with pytest.raises(LeakrefError, match=r"plan: (depth|surface_tension|a surface tension)"):
         campaign(**wrong)
+
+
+@pytest.mark.parametrize("text", ["depth=2m:deep:3", "depth=deep:2m:3"])
+def test_a_sweep_without_an_end_is_refused(text):
+    with pytest.raises(LeakrefError, match="has no end") as refused:
+        parse_sweep(text)
+    assert "depth=2m:20m:4" in refused.value.remedy

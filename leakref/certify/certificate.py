@@ -254,9 +254,9 @@ class Certificate:
         si, usual = declared.units == "si", declared.scales()
         waves = sorted(float(2 * np.pi * usual.length / scale) for scale in self.scales)
         shown = [(water, declared.scales(scale)) for water, scale in self.waters]
-        ripples = [(water.to_units(units), units.length) for water, units in shown if water.surface_tension > _RIPPLES]
+        ripples = [(water.to_units(units), units.length) for water, units in shown if water.surface_tension > _FELT]
         felt = np.inf if "depth" in declared.water and "depth" not in declared.told else _DEEP
-        usual_ones = [(water, units) for water, units in shown if water.surface_tension < _RIPPLES]
+        usual_ones = [(water, units) for water, units in shown if water.surface_tension < _FELT]
         depths = sorted(float(water.depth * units.length) for water, units in usual_ones if water.depth < felt)
         deep = len(depths) < len(usual_ones)
         found = {
@@ -336,7 +336,7 @@ def schema() -> dict[str, Any]:
 
 
 _DEEP = 19.0  # k0 h from which tanh(k0 h) is 1 to the last bit
-_RIPPLES = 1e-3  # S k0^2 / g above which waves are shown for their surface tension
+_FELT = 1e-3  # S k0^2 / g above which waves are shown for their surface tension
 _NOT_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 

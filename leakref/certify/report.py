@@ -37,7 +37,8 @@ def sentence(certificate: Certificate) -> str:
     """
     n, missing = len(certificate.judged), certificate.coverage["missing"]
     if certificate.grade == REJECTED:
-        return f"{len(certificate.wrong)} of {n} answers are wrong."
+        wrong = len(certificate.wrong)
+        return f"{wrong} of {n} answers {'is' if wrong == 1 else 'are'} wrong."
     if certificate.unasked:
         return f"The run was {certificate.cut_short}: there is no verdict."
     if not n:

@@ -102,6 +102,8 @@ def parse_sweep(text: str) -> tuple[str, list[float]]:
             f"ask for 2 to {_MOST_VALUES}: NAME=FIRST:LAST:HOW-MANY",
         )
     first, last = (_value(name, part) for part in parts[:2])
+    if not np.isfinite([first, last]).all():
+        raise LeakrefError("plan", f"--sweep {text} has no end", "give two numbers with their unit: depth=2m:20m:4")
     return name, np.linspace(first, last, int(parts[2])).tolist()
 
 

@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from leakref._base import FloatArray
 from leakref.certify.checks import inputs
 from leakref.certify.checks.criteria import IN_THE_MEAN, each_method, in_the_mean, tapered, vector
 from leakref.certify.checks.draw import drawing
@@ -52,6 +51,8 @@ RIPPLES = float(np.sqrt(TENSION * 9.81 / 7.4e-5))
 """The peak wavenumber of those, rad/m."""
 SAME = 0.05
 """Relative: depths that two waves tell of, as one."""
+UNCHANGED = 1e-6
+"""In c0: two answers to one cube that are so near are one; none of the questions changes it by less than 0.03."""
 NO_BOTTOM = 3e-4
 """Of tanh(k h) from 1: what the rounding of optimisers does to it."""
 DEPTH, SURFACE = ("depth",), ("surface_tension",)
@@ -102,32 +103,21 @@ def explained(subject: Subject, cube: Cube, outcome: Outcome) -> Outcome:
     tanh = still**2 / (k + cube.water.surface_tension * k**3)
     if not (np.isfinite(tanh).all() and (still > 0).all()):
         return outcome
-    if np.abs(tanh - 1).max() < NO_BOTTOM:
-        return replace(outcome, message=f"{_plain(outcome)}. That is right in deep water")
     with np.errstate(divide="ignore", invalid="ignore"):
-        depth = np.arctanh(tanh) / k
-    if np.isfinite(depth).all() and np.ptp(depth) < SAME * depth.mean():
-        return replace(
-            outcome, message=f"{_plain(outcome)}. That is right in a depth of {_shown(subject, cube, depth)}"
-        )
-    return outcome
+        depth = np.full(2, np.inf) if np.abs(tanh - 1).max() < NO_BOTTOM else np.arctanh(tanh) / k
+        if not (depth == np.inf).all() and not np.ptp(depth) < SAME * depth.mean():
+            return outcome
+    right_in = _in_words(subject, float(depth.mean()), cube.scale)
+    plain = outcome.message.partition("; that is within the resolution")[0]  # of no use: it is wrong about the water
+    figures = {**outcome.figures, "right_in": right_in}
+    return replace(outcome, message=f"{plain}. That is right in {right_in}", figures=figures)
 
 
-def _plain(outcome: Outcome) -> str:
-    """Its message without what a right code of another make would be told: this one is wrong about the water."""
-    return outcome.message.partition("; that is within the resolution")[0]
-
-
-def _shown(subject: Subject, cube: Cube, depth: FloatArray) -> str:
-    """A depth (n,) in the code's own units."""
-    length, _, _ = subject.units(cube.scale)
-    return f"{float(depth.mean()) * length:.3g}" + (" m" if subject.declaration.units == "si" else " / k0")
-
-
-def _handed(subject: Subject, water: Water, scale: float = 1.0) -> str:
+def _in_words(subject: Subject, depth: float, scale: float = 1.0) -> str:
+    """A depth, scaled, in the code's own units."""
     length, _, _ = subject.units(scale)
     unit = " m" if subject.declaration.units == "si" else " / k0"
-    return "deep water" if water.depth == np.inf else f"a depth of {water.depth * length:.4g}{unit}"
+    return "deep water" if depth == np.inf else f"a depth of {depth * length:.3g}{unit}"
 
 
 @check(
@@ -209,14 +199,12 @@ def check_change(subject: Subject, case: Case) -> Outcome:
         outcome = explained(subject, (cube, other)[worse], both[worse])
         if outcome.over <= 1:
             return outcome
-        told = (
-            f"handed {_handed(subject, other.water)} instead of {_handed(subject, cube.water)} its answer changes by "
-        )
-        told += f"{vector(second - first)}, should change by {vector((other.truth - cube.truth)[0])}"
-        if np.hypot(*(second - first)) < 1e-6:
-            told += ": the depth it is handed is not used"
-            outcome = replace(outcome, figures={**outcome.figures, "unused": ["depth"]})
-        return replace(outcome, message=f"{told}; {outcome.message}")
+        told, before = (_in_words(subject, one.water.depth) for one in (other, cube))
+        words = f"handed {told} instead of {before} its answer changes by {vector(second - first)}, should change by "
+        words += vector((other.truth - cube.truth)[0])
+        unused = bool(np.hypot(*(second - first)) < UNCHANGED)
+        words += ": the depth it is handed is not used" * unused
+        return replace(outcome, message=f"{words}; {outcome.message}", figures={**outcome.figures, "unused": unused})
 
     return each_method(subject, judge)
 

@@ -27,6 +27,7 @@ __all__ = [
     "Hypothesis",
     "digits",
     "gather",
+    "parts",
     "velocities",
     "worst",
 ]
@@ -95,7 +96,7 @@ def gather(findings: Sequence[Finding], seed: int, golden: int, most: int | None
 def velocities(figures: Mapping[str, Any]) -> tuple[FloatArray, FloatArray]:
     """Velocities of a finding and what they should be, (m, 2) each, of all its methods; none where it has none."""
     rows = [np.empty((0, 2)), np.empty((0, 2))]
-    for one in _parts(figures):
+    for one in parts(figures):
         found = np.atleast_2d(np.asarray(one.get("velocities", one.get("velocity")), dtype=np.float64))
         should = np.atleast_2d(np.asarray(one["should_be"], dtype=np.float64))
         if found.shape == should.shape and found.shape[1] == 2:
@@ -104,13 +105,13 @@ def velocities(figures: Mapping[str, Any]) -> tuple[FloatArray, FloatArray]:
     return rows[0], rows[1]
 
 
-def _parts(figures: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
+def parts(figures: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
     """The figures of each method: they are within those of the finding where there are several."""
     if "should_be" in figures and ("velocities" in figures or "velocity" in figures):
         yield figures
     for value in figures.values():
         if isinstance(value, Mapping):
-            yield from _parts(value)
+            yield from parts(value)
 
 
 def digits(found: FloatArray, should: FloatArray) -> FloatArray:

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from leakref._base import FloatArray
-from leakref.certify.strength.clues import TRUE, Hypothesis, digits, velocities
+from leakref.certify.strength.clues import TRUE, Hypothesis, digits, parts, velocities
 from leakref.certify.subject.declaration import Declaration
 from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import WRONG, Finding, Verdict
@@ -81,17 +81,18 @@ def _behaviours(failed: Sequence[Finding]) -> Iterator[Hypothesis]:
 
 
 def _depth(failed: Sequence[Finding]) -> Iterator[Hypothesis]:
-    """A depth that is handed over and not used: the answer to one cube is the same whatever it is."""
-    for f in failed:
-        if f.id.startswith("depth.change") and "is not used" in f.message:
-            _, _, depth = f.message.partition("That is right in ")
-            instead = f"; it answers as in {depth.partition('.  ')[0]}" if depth else ""
-            yield said("depth-unused", f"the depth that it is handed is not used{instead}")
-            return
-    told = Counter(f.message.partition("That is right in ")[2] for f in failed if f.id.startswith("recovery.pair"))
-    for depth, count in told.most_common(1):
-        if depth and count >= _AT_LEAST:
-            yield said("another-depth", f"it answers as in {depth}, and not in the depth that it declares")
+    """A depth that is handed over and not used: the answer to one cube is the same whatever it is. Or another one than
+    the code declares, in which several of its answers would be right.
+    """
+    for check, identifier, words, enough in (
+        ("depth.change", "depth-unused", "the depth that it is handed is not used", 1),
+        ("recovery.pair", "another-depth", "it is not in the depth that it declares", _AT_LEAST),
+    ):
+        found = [part for f in failed if f.id.startswith(check) for part in parts(f.figures)]
+        found = [part for part in found if part.get("unused", "right_in" in part)]
+        if len(found) >= enough:
+            depths = Counter(part["right_in"] for part in found if "right_in" in part).most_common(1)
+            yield said(identifier, words + "".join(f": it answers as in {depth}" for depth, _ in depths))
 
 
 def _unanswered(failed: Sequence[Finding]) -> Iterator[Hypothesis]:
