@@ -1,5 +1,6 @@
 """Codes in water with a bottom and a surface tension: what they declare, what they are handed, how they are judged."""
 
+import json
 from contextlib import nullcontext
 from dataclasses import replace
 
@@ -8,11 +9,15 @@ import pytest
 from strangers.finite import MISTAKES, Finite
 from strangers.nsp import Extractor
 
+from leakref.certify import commands
 from leakref.certify.checks import depth as family
 from leakref.certify.checks import inputs
+from leakref.certify.measures import bias
 from leakref.certify.runner import certify, run_checks, select
+from leakref.certify.strength import cure, repairs
 from leakref.certify.strength.diagnosis import explain
 from leakref.certify.strength.faults import FAULTS
+from leakref.certify.strength.repaired import Memory, Repaired
 from leakref.certify.subject.declaration import Declaration
 from leakref.certify.subject.frames import BOTTOMLESS
 from leakref.certify.subject.inprocess import InProcess
@@ -20,6 +25,7 @@ from leakref.certify.subject.named import Named
 from leakref.certify.verdict import Unanswered, Verdict
 from leakref.chain import Reference, reference
 from leakref.dispersion import DEEP, Water
+from leakref.golden.sets import NEWEST
 
 PAIRS = select(["depth"], profile="quick")
 LESS = [pair for pair in PAIRS if not pair[0].id.endswith("sea")]
@@ -359,3 +365,77 @@ def test_cubes_are_of_the_water_of_the_question():
     assert deep.water == DEEP
     assert cube != deep
     assert replace(deep, water=shallow) != deep  # what is right of it is worked out anew
+
+
+# ---------------------------------------------------------------- what stands around: repairs, bias, the first question
+
+
+@pytest.mark.parametrize(
+    ("name", "by"),
+    [("depth-feet", 1 / 0.3048), ("depth-metres-as-feet", 0.3048), ("depth-cycles", 2 * np.pi), ("depth-halved", 2.0)],
+)
+def test_a_repair_hands_over_another_depth(name, by):
+    repair = next(one for one in repairs.INPUTS if one.id == name)
+    code = Seen(depth="given", surface_tension="given")
+    subject = Repaired(Memory(InProcess(code), 1e9), repair)
+    subject.extract(np.ones((8, 8, 8)), (0.5, 0.5, 0.5), [1.0], water=Water(1.0, 1.2, 0.05))
+    assert code.told[-1][:2] == (pytest.approx(1.2 * by), pytest.approx(0.05))
+
+
+def test_other_units_are_those_of_the_water_too():
+    """Twice as long and half again as slow: of a right code the answer is the same."""
+    smaller = next(one for one in repairs.INPUTS if one.id == "waves:4")
+    code = Seen(depth="given", surface_tension="given")
+    Repaired(Memory(InProcess(code), 1e9), smaller).extract(
+        np.ones((8, 8, 8)), (0.5, 0.5, 0.5), [1.0], water=Water(1.0, 1.2, 0.05)
+    )
+    depth, tension, gravity = code.told[-1]
+    assert (depth, tension, gravity) == (pytest.approx(4 * 1.2), pytest.approx(16 * 0.05), pytest.approx(1.0))
+
+
+def test_a_search_for_a_gravity_that_runs_away_is_given_up():
+    code = Finite(MISTAKES["negative"][0])
+    found = judged(code, "depth.aligned", "depth.ring")
+    assert found.grade == "rejected"
+    repairs_found, remark = cure.cure(found.findings, InProcess(code), seed=1, golden=NEWEST, allowance=1e8)
+    assert not repairs_found
+    assert "Scales" not in remark
+
+
+def test_bias_is_measured_in_the_water_that_a_code_knows():
+    (right,) = bias.bias(InProcess(OneDepth(0.8)), [bias.SEAS["broad"]], scales=(1.0,), realizations=3)
+    assert right.ratio == pytest.approx(1.0, abs=1e-6)  # it is the reference
+    (wrong,) = bias.bias(InProcess(OneDepth(2.0, 0.8)), [bias.SEAS["broad"]], scales=(1.0,), realizations=3)
+    assert wrong.ratio > 3
+
+
+def test_golden_vectors_of_other_water_are_asked_in_the_units_of_a_code():
+    si = Named(reference, "si", units="si")
+    names = ("extract-tank-hann-nsp", "extract-lake-hann-ls", "nsp-film", "extract-depth-0.7-box-nsp")
+    pairs = select([f"conformance.extract[{name}]" for name in names])
+    seen = Seen("si", depth="given", surface_tension="given")
+    for pair in pairs:
+        (finding,) = run_checks([pair], InProcess(si))
+        assert finding.verdict is Verdict.PASS
+        assert finding.digits > 12
+    run_checks(select(["conformance.extract[extract-tank-hann-nsp]"]), InProcess(seen))
+    assert seen.told[-1][1:] == (pytest.approx(7.3e-5), pytest.approx(9.81))  # waves of centimetres are shown as such
+
+
+def test_a_code_that_overflows_in_the_deepest_water_is_judged(tmp_path, monkeypatch, capfd):
+    """The first small question is in water of two wavelengths over 2 pi, so that it is a question of `depth.limit`."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "own.py").write_text(
+        "import numpy as np\n"
+        "from leakref.chain import reference\n"
+        "def extract(surface, spacing, wavenumbers, *, gravity, depth, window, method):\n"
+        "    if max(wavenumbers) * depth > 50:\n"
+        "        raise OverflowError('math range error')\n"
+        "    return reference.extract(surface, spacing, wavenumbers, gravity=gravity, depth=depth, window=window,"
+        " method=method)\n"
+    )
+    request = commands.Request("own:extract", None, only=("depth.aligned", "depth.limit"), workers=1, diagnosis=False)
+    assert commands.run(request, json=True) == 1
+    verdicts = {f["id"]: f["verdict"] for f in json.loads(capfd.readouterr().out)["findings"]}
+    assert verdicts["depth.aligned[0.7]"] == "pass"
+    assert verdicts["depth.limit[ten-thousand]"] == "error"
