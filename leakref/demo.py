@@ -20,6 +20,7 @@ from leakref import chain
 from leakref._base import FloatArray
 from leakref._output import console, dump, envelope, folder, progress_bar, write_whole
 from leakref.cases import Configuration, configurations
+from leakref.certify.commands import Request, named
 from leakref.certify.report import page as render
 from leakref.certify.runner import certify, select
 from leakref.certify.strength.diagnosis import explain
@@ -126,8 +127,9 @@ def _certify(out: Path) -> tuple[list[dict[str, Any]], Path]:
             )
     with progress_bar("faults and repairs tried on what fell short", None) as step:
         caught = explain(found[f"fault:{_FAULT}"], subject, after_each=step)
+    caught = named(caught, Request(f"fault:{_FAULT}", None, only=_CHECKS))
     page = write_whole(out / "certificate.html", partial(_write_text, render(caught)))
-    named = bool(caught.diagnosis) and caught.diagnosis[0]["fault"] == _FAULT
+    right_name = bool(caught.diagnosis) and caught.diagnosis[0]["fault"] == _FAULT
     right = found["reference"]
     return [
         {
@@ -137,7 +139,7 @@ def _certify(out: Path) -> tuple[list[dict[str, Any]], Path]:
         },
         {
             "name": f"a planted fault ({FAULTS[_FAULT].words}) caught and named",
-            "ok": caught.status == 1 and named,
+            "ok": caught.status == 1 and right_name,
             "figure": f"{caught.grade}; {caught.explanation}",
         },
     ], page

@@ -77,7 +77,7 @@ def test_a_known_failure_changes_the_exit_status_alone_and_one_that_passes_is_an
     excused = certificate(GOLDEN, bad, SIGN, known=(bad.id,))
     assert (excused.grade, excused.status, excused.ok) == ("rejected", 0, True)
     assert (excused.wrong, excused.unexpected) == ([bad], [])
-    assert sentence(excused) == "1 of 3 answers are wrong."
+    assert sentence(excused) == "1 of 3 answers is wrong."
     assert excused.grade_line == "rejected, known: 1, 3 of 3 questions"
     red = badge(certificate(GOLDEN, bad, SIGN)).partition('fill="#b3261e"')[1]
     assert red

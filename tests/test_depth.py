@@ -13,6 +13,7 @@ from leakref.certify import commands
 from leakref.certify.checks import depth as family
 from leakref.certify.checks import inputs
 from leakref.certify.measures import bias
+from leakref.certify.report import page
 from leakref.certify.runner import certify, run_checks, select
 from leakref.certify.strength import cure, repairs
 from leakref.certify.strength.diagnosis import explain
@@ -439,3 +440,22 @@ def test_a_code_that_overflows_in_the_deepest_water_is_judged(tmp_path, monkeypa
     verdicts = {f["id"]: f["verdict"] for f in json.loads(capfd.readouterr().out)["findings"]}
     assert verdicts["depth.aligned[0.7]"] == "pass"
     assert verdicts["depth.limit[ten-thousand]"] == "error"
+
+
+def test_what_was_not_tested_is_what_was_not_shown():
+    """A code that takes a depth, asked of deep water alone, is not tested in others, whatever it declares."""
+    told = judged(reference, "signs.sea[to-22.5]")
+    assert "Other depths, surface tension, breaking" in page(told)
+    some = judged(reference, "depth.aligned")
+    assert "Surface tension, breaking" in page(some)
+    every = judged(reference, "depth.aligned", "depth.tension")
+    assert "</strong> Breaking or nonlinear waves" in page(every)
+    own = judged(OneDepth(1.0), "signs.aligned[to-22.5]")
+    assert "Other depths, surface tension, breaking" in page(own)
+
+
+def test_a_line_that_shows_a_finding_again_asks_in_the_same_waves():
+    found = judged(reference, "signs.sea[to-22.5]")
+    again = commands.named(found, commands.Request("a:b", None, waves="0.5m:4m"))
+    assert again.findings[0].repro.startswith("leakref certify a:b --waves 0.5m:4m --only 'signs.sea[to-22.5]'")
+    assert "--waves 0.5m:4m" in again.again

@@ -975,7 +975,7 @@ REWRITTEN = [  # constants that are no number in the source, or whose hundredth 
     ("window", "s = np.arange(size) / (size - 1 if symmetric else size)", "s = np.arange(size) / (size - 1)", "window"),
     ("shell", "EDGE_MARGIN = 1e-9", "EDGE_MARGIN = -1e-9", "shell"),
     ("nsp", "START = 2.5e-4", "START = 1.0", "nsp"),
-    ("ensemble", "np.where(few, 1, self.count - 1)", "np.where(few, 1, self.count)", "statistics"),
+    ("_base", "np.maximum(count - 1, 1)", "np.maximum(count, 1)", "statistics"),
     (
         "ensemble",
         "self.random / np.sqrt(np.maximum(self.count, 1))",

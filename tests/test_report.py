@@ -152,7 +152,7 @@ def test_the_page_says_how_the_run_is_repeated():
     program = f"{sys.executable} -c 'import odd'"
     for asked, typed in (((None, program), shlex.join(["--command", program])), (("a b:c", None), "'a b:c'")):
         request = commands.Request(*asked, only=["signs.sea[to-22.5]"], seed="7")
-        found = commands._named(certificate(seed=7), request)
+        found = commands.named(certificate(seed=7), request)
         assert found.again == (
             f"leakref certify {typed} --only 'signs.sea[to-22.5]' --profile quick --golden 1 --seed 7"
         )

@@ -33,7 +33,7 @@ from leakref.certify.verdict import Verdict, read_known
 from leakref.golden.sets import NEWEST, locate
 from leakref.planning.quantities import quantity
 
-__all__ = ["Request", "run", "show_list", "show_schema"]
+__all__ = ["Request", "named", "run", "show_list", "show_schema"]
 
 _COLOUR = {
     Verdict.PASS: "green",
@@ -173,12 +173,12 @@ def run(request: Request, *, json: bool = False) -> int:
                 after_each=lambda finding: step(),
             )
     except CutShort as cut:
-        _give(_named(cut.certificate, request), request, [], json=json)
+        _give(named(cut.certificate, request), request, [], json=json)
         raise
     except HarnessBroken as broken:
         console().print(f"[red]Could not judge:[/] {escape(str(broken))}", soft_wrap=True)
         return 3
-    found = _named(found, request)
+    found = named(found, request)
     pictures: list[dict[str, Any]] = []
     try:
         if found.wrong and request.diagnosis:
@@ -210,11 +210,11 @@ def _give(found: Certificate, request: Request, pictures: Sequence[Mapping[str, 
         _print(found, written, request.only)
 
 
-def _named(found: Certificate, request: Request) -> Certificate:
+def named(found: Certificate, request: Request) -> Certificate:
     """With what was asked for in the lines that show a finding, or all of it, again, quoted as a shell needs it."""
     said = shlex.quote(request.target) if request.target else f"--command {shlex.quote(str(request.command))}"
+    said += f" --waves {shlex.quote(request.waves)}" if request.waves else ""
     only = "".join(f" --only {shlex.quote(one)}" for one in request.only)
-    only += f" --waves {shlex.quote(request.waves)}" if request.waves else ""
     return replace(
         found,
         findings=[replace(f, repro=f.repro.replace("TARGET", said)) for f in found.findings],

@@ -97,10 +97,10 @@ def badge(certificate: Certificate) -> str:
 
 
 def _untested(certificate: Certificate) -> str:
-    """What no question was about, by what its code declares of the water and by whether stress was measured."""
-    water = certificate.declaration.get("water") or {}
-    names = {"depth": "other depths", "surface_tension": "surface tension"}
-    words = [words for name, words in names.items() if water.get(name) != GIVEN]
+    """What no question was about: other depths unless several were shown, tension unless waves felt it, sensors."""
+    scope = certificate.scope()
+    words = ["other depths"] if scope["depth"] != "deep and finite" else []
+    words += [] if scope["surface_tension"] else ["surface tension"]
     sensors = ["poor sensors beyond what stands below under stress"] if certificate.stress else _SENSORS
     said = ", ".join([*words, "breaking or nonlinear waves", *sensors])
     return said[0].upper() + said[1:]
