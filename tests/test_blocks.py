@@ -32,8 +32,9 @@ def test_transform_is_that_of_the_whole_cube_on_the_bins_kept(surface, order, sh
     grid = Grid(shape, GRID.spacing)
     eta = surface[: shape[0], : shape[1], : shape[2]]
     whole = fourier(eta, grid, window)
-    for largest, block in ((None, 1), (2.0, 3000), (2.0, 10**9)):
-        kept = fourier_in_blocks(stored(eta, order), grid, window, largest_wavenumber=largest, block=block)
+    for largest, block, held in ((None, 1, 2**30), (2.0, 3000, 2**30), (2.0, 10**9, 2**30), (2.0, 3000, 9000)):
+        how = {"largest_wavenumber": largest, "block": block, "held": held}
+        kept = fourier_in_blocks(stored(eta, order), grid, window, **how)
         assert kept.values.shape == (kept.i.size, kept.j.size, shape[2] // 2 + 1)
         assert kept.values.shape[:2] == (shape[:2] if largest is None else (7, 7))
         # the root mean square error of a bin of an FFT is at most eps log2(n) times the norm of the samples
@@ -70,6 +71,22 @@ def test_memory_stays_far_below_the_cube(tmp_path):
     tracemalloc.stop()
     assert kept.values.shape == (11, 9, 257)
     assert peak < 8 * cube.size / 3  # the cube as float64 is 15.7 MB
+
+
+def test_what_is_kept_on_the_way_is_no_more_than_is_held(tmp_path, monkeypatch):
+    """Many samples along the slowest axis and few bins in the end: read in several passes, the same bits."""
+    grid = Grid((400, 24, 128), (0.5, 0.5, 0.3))
+    cube = np.lib.format.open_memmap(tmp_path / "eta.npy", "w+", np.float32, grid.shape)
+    cube[:] = np.random.default_rng(1).normal(size=grid.shape)
+    peaks, found = [], []
+    for held in (2**30, 2**18):
+        tracemalloc.start()
+        found.append(fourier_in_blocks(cube, grid, largest_wavenumber=1.0, block=2**16, held=held).values)
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+    np.testing.assert_array_equal(*found)
+    assert 16 * 400 * 3 * 65 > 4 * 2**18
+    assert peaks[1] < peaks[0] - 2**19
 
 
 def test_samples_that_are_not_finite_are_refused_with_their_place(surface):

@@ -14,17 +14,19 @@ from typing import Any
 import numpy as np
 from scipy import fft
 
-from leakref._base import ORDINARY, ComplexArray, FloatArray, LeakrefError, finite
+from leakref._base import ORDINARY, ComplexArray, FloatArray, IntArray, LeakrefError, finite
 from leakref._output import progress_bar
 from leakref.grid import Grid
 from leakref.spectrum import Spectrum
 from leakref.window import window as named_window
 
-__all__ = ["TRENDS", "fourier_in_blocks", "largest_kept", "plane", "release", "trend"]
+__all__ = ["HELD", "TRENDS", "fourier_in_blocks", "largest_kept", "plane", "release", "trend"]
 
 TRENDS = ("none", "mean", "linear")
 """What can be removed before the transform: nothing, the mean, or the plane a + bx x + by y + bt t."""
 _BLOCK = 2**26  # bytes of samples, as float64, held at a time
+HELD = 7 * 2**27
+"""Bytes of what is transformed along two axes, at most: with all else it stays within 2 GB, however large the cube."""
 
 
 def _blocks(surface: Any, size: int, what: str) -> Iterator[tuple[int, slice, FloatArray]]:
@@ -32,8 +34,7 @@ def _blocks(surface: Any, size: int, what: str) -> Iterator[tuple[int, slice, Fl
     a slice along one axis, whole along the others. It ends early at samples that are too large, since their sums would
     be infinite.
     """
-    strides = getattr(surface, "strides", (3, 2, 1))
-    axis = int(np.argmax(np.abs(strides)))
+    axis = _slowest(surface)
     n = surface.shape[axis]
     step = max(1, size * n // (8 * int(np.prod(surface.shape, dtype=np.int64))))
     largest = 0.0
@@ -102,7 +103,7 @@ def largest_kept(surface: Any, grid: Grid, size: float) -> float:
     What it needs is the transform along two axes, before the last one follows along the axis that is slowest in the
     file. `surface` is only asked how it is stored.
     """
-    axis = int(np.argmax(np.abs(getattr(surface, "strides", (3, 2, 1)))))
+    axis = _slowest(surface)
     nx, ny, nt = grid.shape
     if axis == 2:
         bins = size / (16 * nt)  # in the plane, a square about zero
@@ -133,13 +134,15 @@ def fourier_in_blocks(
     largest_wavenumber: float | None = None,
     remove: FloatArray | None = None,
     block: int = _BLOCK,
+    held: int = HELD,
 ) -> Spectrum:
     """What `spectrum.fourier` gives, to rounding, on the bins with |kx|, |ky| <= `largest_wavenumber` (default all).
 
     `surface` is anything with a shape that can be sliced, for instance memory-mapped; `remove` is a `trend`. The
     transform is separable: a block along the slowest axis is transformed along the other two, only the bins kept are
-    stored, and the last axis follows at the end. Memory: `block` bytes and some times the bins kept, never the cube.
-    Raises LeakrefError.
+    stored, and the last axis follows at the end. Where these would take more than `held` bytes the file is read several
+    times, for some of the frequencies each. Memory: `block`, `held`, and the bins kept, never the cube. Raises
+    LeakrefError.
 
     `largest_wavenumber` is in rad per length, and bins exactly on it are kept. `surface` keeps its own type in the
     file; blocks of it become float64. LeakrefError is raised for a surface of another shape than the grid's, samples
@@ -154,33 +157,74 @@ def fourier_in_blocks(
     kept = [grid.bins(a) for a in (0, 1)]
     if largest_wavenumber is not None:
         kept = [b[np.abs(b) <= largest_wavenumber / grid.bin_widths[a] + 1e-9] for a, b in enumerate(kept)]
-    tapers = [named_window(window).samples(n) for n in grid.shape]
     half = grid.shape[2] // 2 + 1
+    axis = _slowest(surface)
+    # what is kept of a block along two axes: (x, ky, omega), (kx, y, omega) or (kx, ky, t); the last two may be many
+    shape = [kept[0].size, kept[1].size, half]
+    shape[axis] = grid.shape[axis]
+    split = 0 if axis == 2 else 2
+    each = max(1, int(held // (16 * np.prod(shape) / shape[split])))
+    whole = np.empty((kept[0].size, kept[1].size, half), dtype=np.complex128)
+    passes = range(0, shape[split], each)
+    for number, start in enumerate(passes, 1):
+        part = slice(start, min(start + each, shape[split]))
+        what = f"transforming ({window}" + f", {number} of {len(passes)}" * (len(passes) > 1) + ")"
+        partial = _along_two(surface, grid, window, kept, part, what, remove, block)
+        _along_the_last(partial, axis, kept, part, whole, what)
+    return Spectrum(grid, window, kept[0], kept[1], whole)
+
+
+def _slowest(surface: Any) -> int:
+    """The axis that is slowest in the file."""
+    return int(np.argmax(np.abs(getattr(surface, "strides", (3, 2, 1)))))
+
+
+def _along_two(
+    surface: Any,
+    grid: Grid,
+    window: str,
+    kept: list[IntArray],
+    part: slice,
+    what: str,
+    remove: FloatArray | None,
+    block: int,
+) -> ComplexArray:
+    """The transform along all axes but the slowest one, of the bins kept; of these a `part`, of the frequencies or,
+    where time is the slowest axis, of the kx.
+    """
+    axis = _slowest(surface)
+    tapers = [named_window(window).samples(n) for n in grid.shape]
     partial: ComplexArray | None = None
-    for axis, part, samples in _blocks(surface, block, f"transforming ({window})"):
-        wx, wy, wt = (w[part] if a == axis else w for a, w in enumerate(tapers))
-        samples = samples - plane(remove, grid.shape, axis, part) if remove is not None else samples.copy()
+    for _, rows, samples in _blocks(surface, block, what):
+        wx, wy, wt = (w[rows] if a == axis else w for a, w in enumerate(tapers))
+        samples = samples - plane(remove, grid.shape, axis, rows) if remove is not None else samples.copy()
         samples *= (wx[:, None] * wy)[:, :, None]
         samples *= wt
         if axis == 2:
-            values = fft.fft2(samples, axes=(0, 1))[np.ix_(*kept)]  # signed bins index from the end, as they should
+            values = fft.fft2(samples, axes=(0, 1))[np.ix_(kept[0][part], kept[1])]  # signed bins index from the end
         else:  # the conjugate makes it exp(+i omega t), as in spectrum.fourier
-            values = fft.fft(fft.rfft(samples, axis=2).conj(), axis=1 - axis).take(kept[1 - axis], axis=1 - axis)
+            values = fft.rfft(samples, axis=2)[:, :, part].conj()
+            values = fft.fft(values, axis=1 - axis).take(kept[1 - axis], axis=1 - axis)
         if partial is None:
             shape = list(values.shape)
             shape[axis] = grid.shape[axis]
             partial = np.empty(shape, dtype=np.complex128)
-        partial[(slice(None),) * axis + (part,)] = values
+        partial[(slice(None),) * axis + (rows,)] = values
     assert partial is not None  # a grid has samples
-    whole = np.empty((kept[0].size, kept[1].size, half), dtype=np.complex128)
-    rows = whole.shape[1] if axis == 0 else whole.shape[0]
-    with progress_bar(f"transforming ({window}), along {'xyt'[axis]}", rows) as done:
-        for n in range(rows):  # row by row into its place: nothing is there twice
+    return partial
+
+
+def _along_the_last(
+    partial: ComplexArray, axis: int, kept: list[IntArray], part: slice, whole: ComplexArray, what: str
+) -> None:
+    """The transform along the slowest axis, row by row into its place in `whole`: nothing is there twice."""
+    rows = partial.shape[1] if axis == 0 else partial.shape[0]
+    with progress_bar(f"{what}, along {'xyt'[axis]}", rows) as done:
+        for n in range(rows):
             if axis == 2:
-                whole[n] = fft.ifft(partial[n], axis=-1, norm="forward")[:, :half]
+                whole[part.start + n] = fft.ifft(partial[n], axis=-1, norm="forward")[:, : whole.shape[2]]
             elif axis == 0:
-                whole[:, n] = fft.fft(partial[:, n], axis=0)[kept[0]]
+                whole[:, n, part] = fft.fft(partial[:, n], axis=0)[kept[0]]
             else:
-                whole[n] = fft.fft(partial[n], axis=0)[kept[1]]
+                whole[n, :, part] = fft.fft(partial[n], axis=0)[kept[1]]
             done()
-    return Spectrum(grid, window, kept[0], kept[1], whole)

@@ -24,10 +24,8 @@ __all__ = ["IN_MEMORY", "KEPT", "Measured", "Request", "measure", "spectrum_of"]
 
 IN_MEMORY = deferred.IN_MEMORY
 """A memory-mapped cube larger than this many bytes, as float64, is transformed in blocks."""
-KEPT = 7 * 2**27
-"""Bytes that the transform of such a cube may take where no wavenumbers are asked for: with all else it stays within
-2 GB, however large the cube is.
-"""
+KEPT = blocks.HELD
+"""Bytes that the transform of such a cube may take."""
 _LOOKED_AT = 5  # wavenumbers at which the contrast is taken where others were asked for
 
 
@@ -117,7 +115,16 @@ def _reach(cube: Cube, request: Request, notes: list[str]) -> float:
     if request.angle is not None:
         raise LeakrefError("rotate", "the cube is too large to be turned in memory", "leave out --rotate or cut it")
     if request.wavenumbers is not None:
-        return float(request.wavenumbers.max()) + (HALF_WIDTH + 1) * cube.grid.wavenumber_resolution
+        reach = float(request.wavenumbers.max()) + (HALF_WIDTH + 1) * cube.grid.wavenumber_resolution
+        across = np.minimum(2 * reach / np.array(cube.grid.bin_widths[:2]) + 1, cube.grid.shape[:2])
+        if (size := 8 * float(across.prod()) * cube.grid.shape[2]) > KEPT:
+            most = request.wavenumbers.max() * np.sqrt(KEPT / size)
+            raise LeakrefError(
+                "extract",
+                f"the spectrum up to the largest wavenumber takes {size / 1e9:.2g} GB",
+                f"ask for wavenumbers up to some {most:.2g} at most, or cut the cube with --crop or --frames",
+            )
+        return reach
     return blocks.largest_kept(cube.surface, cube.grid, KEPT)
 
 
