@@ -216,6 +216,7 @@ def test_a_mapped_cube_in_blocks_gives_the_same(sea, tmp_path, monkeypatch):
     monkeypatch.setattr(measuring, "KEPT", 10**6)  # what memory allows now is less than what there is
     fewer = answer(*words)["wavenumbers"]
     assert 0 < len(fewer) < len(by_default)
+    monkeypatch.setattr(measuring, "KEPT", 10**5)
     refused = run(*words, "--wavenumbers", "1.2,2", status=2).stderr
     assert "ask for wavenumbers up to some" in refused
     assert float(refused.partition("up to some ")[2].split()[0]) < 2
