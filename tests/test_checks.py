@@ -287,6 +287,7 @@ def test_a_velocity_is_the_image_it_is_nearest_to():
     assert image(np.array([-0.28, -0.1]), np.array([0.28, 0.12])) == "negated"
     assert image(np.array([0.11, 0.29]), np.array([0.28, 0.12])) == "with x and y exchanged"
     assert image(np.array([0.25, 0.1]), np.array([0.28, 0.12])) == ""
+    assert image(np.array([1.24, -0.09]), np.array([0.11, -0.28])) == ""  # nearest to an image, and like none
 
 
 def test_a_synthesis_that_slips_is_named():

@@ -26,6 +26,7 @@ from leakref.certify.subject.declaration import Declaration
 from leakref.certify.subject.frames import OWN, waves_in_words
 from leakref.certify.verdict import WRONG, Finding, Known, Verdict
 from leakref.dispersion import Water
+from leakref.scope import current_words, water_words
 
 __all__ = ["CONFORMANT", "MUST", "NO_GRADE", "REJECTED", "SOUND", "Certificate", "junit", "schema"]
 
@@ -115,13 +116,15 @@ class Certificate:
     def thin(self) -> list[tuple[str, int, int]]:
         """Families of which less than half was judged of what the declaration admits: their name, judged, admitted.
 
-        Looked at are those of `MUST`; for a code that offers no velocities, all that were asked.
+        Looked at are those of `MUST`; for a code that offers no velocities, all that were asked. Where nothing of the
+        signs could be asked that is too little as well: nobody knows then which way its velocities point.
         """
         found = []
         for family in MUST if self.offers("extract") else FAMILIES:
-            admitted = [f for f in self.findings if f.family == family and f.verdict is not Verdict.UNSUPPORTED]
+            asked = [f for f in self.findings if f.family == family]
+            admitted = [f for f in asked if f.verdict is not Verdict.UNSUPPORTED]
             judged = sum(f.verdict is not Verdict.MISSING for f in admitted)
-            if 2 * judged < len(admitted):
+            if 2 * judged < len(admitted) or (family == "signs" and self.offers("extract") and asked and not admitted):
                 found.append((family, judged, len(admitted)))
         return found
 
@@ -309,21 +312,17 @@ def _in_words(scope: Mapping[str, Any], si: bool) -> str:
             f"{short / 2 / np.pi:.2g} to {long / 2 / np.pi:.2g} times as long",
         )
     waves += f" (in the family scale {other})" * (short < long)
-    speed = f"{scope['fastest_current']:.2g} {scope['units'][1]}" + " (c0: sqrt(g / k0))" * (not si)
-    current = f"one current in the picture, uniform or changing with depth, of {speed} at most"
-    return f"{_water_in_words(scope, si)}, {waves}, {current}; {'; '.join(asked)}."
-
-
-def _water_in_words(scope: Mapping[str, Any], si: bool) -> str:
-    """The water for a reader, in the code's own units."""
-    depth, unit = "Deep water", " m" if si else " / k0"
-    if scope["depths"]:
-        low, high = (f"{value:.3g}" for value in scope["depths"])
-        finite = f"depths of {low} to {high}{unit}" if low != high else f"a depth of {low}{unit}"
-        depth = f"Deep water and {finite}" if scope["depth"] == "deep and finite" else f"Water of {finite}"
-    waves = f" m3/s2 (waves of {scope['ripples']:.2g} m)" if si else " g / k0^2"
-    tension = f"surface tension up to {scope['surface_tension']:.2g}{waves}"
-    return f"{depth}, {tension if scope['surface_tension'] else 'no surface tension'}"
+    unit = scope["units"][1] + " (c0: sqrt(g / k0))" * (not si)
+    current = current_words(scope["fastest_current"], unit, "uniform or changing with depth, ")
+    water = water_words(
+        scope["depths"],
+        scope["surface_tension"],
+        deep=scope["depth"] == "deep and finite",
+        unit="m" if si else "/ k0",
+        felt=f"up to {scope['surface_tension']:.2g}"
+        + (f" m3/s2 (waves of {scope['ripples']:.2g} m)" if si else " g / k0^2"),
+    )
+    return f"{water}, {waves}, {current}; {'; '.join(asked)}."
 
 
 def schema() -> dict[str, Any]:

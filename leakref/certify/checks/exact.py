@@ -34,8 +34,10 @@ __all__ = [
     "FINE",
     "FLATTER",
     "MORE",
+    "NOISY",
     "OTHERS",
     "TAPERED",
+    "TRACE",
     "WITHIN_A_TENTH",
     "aligned_window",
     "answers",
@@ -93,8 +95,17 @@ TAPERED = (
     " A code that always tapers is asked under its window; the answer is then what the reference finds in the closed "
     "form of the leakage, and who is not held to digits may be off by that whole resolution."
 )
+TRACE = 1e-3
+"""Of the standard deviation of the waves: the noise that a clean cube is shown with again; a camera has more."""
+NOISY = (
+    " One that is not held to digits and off is asked again with a trace of noise, a thousandth of the waves, as every "
+    "camera has it. Where that moves its answer by more than a tenth of the resolution it is no code for cubes so "
+    "clean, as one that divides by what there is at each frequency and sees nothing but rounding: it is shown twelve "
+    "waves with such noise, and may be off by the resolution."
+)
+"""What comes after a clean cube that a code was off in."""
 MORE = " A code that gives no velocity where two waves are all there is, is shown twelve."
-EXACTLY = EXACT_OR_SCORE + OTHERS + TAPERED
+EXACTLY = EXACT_OR_SCORE + OTHERS + TAPERED + NOISY
 """`exactly` in words."""
 
 
@@ -106,7 +117,7 @@ def aligned_window(subject: Subject) -> str:
 def deep_only() -> None:
     """Raises Unanswered in other water than deep: there, waves of two lengths are not on bins of one cube."""
     if inputs.still() != DEEP:
-        raise Unanswered(Verdict.UNSUPPORTED, "knows one water only, and this holds in deep water")
+        raise Unanswered(Verdict.UNSUPPORTED, "has a depth or a surface tension of its own, and this holds without")
 
 
 def answers(cube: Cube, window: str, method: str) -> list[FloatArray]:
@@ -174,18 +185,33 @@ def judge_exactly(
     allowed: FloatArray | float = EXACT,
     others: float = 1.0,
     more: Cube | None = None,
+    noisy: Cube | None = None,
 ) -> Outcome:
     """The outcome of asking for waves on bins: the worst of the wavenumbers, of the kindest of what is right.
 
-    `more` is a cube of more waves, for a code to which those of `cube` are too few.
+    `more` is a cube of more waves, for a code to which those of `cube` are too few; `noisy` the one that is shown with
+    a trace of noise (default: `more`, or the same) to one that is no code for clean cubes (`_wants_noise`).
     """
     try:
-        return _judged(subject, cube, method, allowed, others)
+        outcome = _judged(subject, cube, method, allowed, others)
     except Unanswered as nothing:
         if more is None or nothing.verdict is not Verdict.MISSING:
             raise
-    subject.gaps = ""
-    return _judged(subject, more, method, allowed, others)
+        cube, subject.gaps = more, ""
+        outcome = _judged(subject, more, method, allowed, others)
+    if outcome.over <= 1 or not _wants_noise(subject, cube, method, outcome):
+        return outcome
+    return _judged(subject, replace(noisy or more or cube, noise=TRACE), method, allowed, max(1.0, others))
+
+
+def _wants_noise(subject: Subject, cube: Cube, method: str, outcome: Outcome) -> bool:
+    """Whether a trace of noise moves the answer of a code that is not held to digits, by more than `FINE`."""
+    window = aligned_window(subject)
+    if held_to_digits(subject, window, method):
+        return False
+    found, there = ask(subject, replace(cube, noise=TRACE), window, method)
+    moved = np.hypot(*(found - np.asarray(outcome.figures["velocities"])).T)
+    return bool((moved > FINE * cube.resolutions[0])[there].any())
 
 
 def _judged(subject: Subject, cube: Cube, method: str, allowed: FloatArray | float, others: float) -> Outcome:

@@ -109,12 +109,21 @@ class Check:
         return replace(
             blank,
             verdict=Verdict.PASS if passed else Verdict.FAIL,
-            message=outcome.message,
+            message=outcome.message + ("" if passed else _unit(subject, self.family)),
             digits=outcome.digits,
             over=float(over),
             figures=dict(outcome.figures),
             calls=() if passed else tuple(subject.calls),
         )
+
+
+def _unit(subject: Subject, family: str) -> str:
+    """For a code in SI, what the unit of velocities in the words of a finding is; empty where they are in no one."""
+    asked = [call.asked for call in subject.calls if call.stage == "extract"]
+    scales = {call["scale"] for call in asked}
+    if subject.declaration.units != "si" or len(scales) != 1 or family in ("conformance", "behaviour"):
+        return ""
+    return f" (c0 is {subject.declaration.scales(scales.pop()).velocity:.3g} m/s here)"
 
 
 CHECKS: dict[str, Check] = {}

@@ -19,6 +19,7 @@ from leakref.certify.subject.answers import Velocities, matched, part, refuse_ba
 from leakref.certify.subject.declaration import GRAVITY, PEAK, WATER, Declaration
 from leakref.certify.verdict import Unanswered, Verdict
 from leakref.dispersion import Water
+from leakref.scope import waves_words
 from leakref.sea import Components
 from leakref.window import WINDOWS
 from leakref.window import window as named_window
@@ -169,6 +170,11 @@ class Subject:
             raise Unanswered(Verdict.UNSUPPORTED, "knows square pixels only, and dy is not dx here")
         length, time, gravity = self.units(scale, gravity)
         steps = [spacing[0] * length, spacing[1] * length, spacing[2] * time]
+        lasts, least = surface.shape[2] * steps[2], self.declaration.least_duration
+        if lasts < least * (1 - 1e-9):
+            unit = " s" if self.declaration.units == "si" else " / omega0"
+            words = f"takes no record shorter than {least:g}{unit}; this has {lasts:.3g}{unit}"
+            raise Unanswered(Verdict.UNSUPPORTED, words)
         axes = {name: np.arange(n) * step for name, n, step in zip("xyt", surface.shape, steps, strict=True)}
         return {"eta": self.framed(surface * length), **axes}, steps, gravity
 
@@ -321,7 +327,7 @@ def waves_in_words(declaration: Declaration) -> str:
     """Those that it is made for; empty if it does not say."""
     if "peak_wavelength" not in declaration.waves:
         return ""
-    return "waves of {:.3g} to {:.3g} m".format(*declaration.waves["peak_wavelength"])
+    return waves_words(*declaration.waves["peak_wavelength"])
 
 
 def _long(declaration: Declaration, scale: float) -> str:

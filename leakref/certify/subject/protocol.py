@@ -230,6 +230,8 @@ class ProcessSubject(Subject):
         n = declared.multiple
         least = declared.shape or [-(-max(p) // n) * n for p in zip((16, 12, 10), declared.smallest, strict=True)]
         nx, ny, nt = least
+        if declared.shape is None:
+            nt = max(nt, -(-int(np.ceil(declared.least_duration / (0.8 * declared.scales().time))) // n) * n)
         grid = Grid((nx, ny, nt), (0.9, 0.9 if "dy" in self.declaration.untold else 1.1, 0.8))
         waves, _ = aligned_waves(grid, [(3, 1, 2), (1, 2, 2)], gravity=1.0)
         axes = [grid.samples(axis) for axis in range(3)]
