@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-__all__ = ["ASKED", "Scope", "current_words", "judge_line", "peaks", "water_words", "waves_words"]
+__all__ = ["ASKED", "Scope", "current_words", "judge_line", "peaks", "seas_words", "water_words", "waves_words"]
 
 ASKED = (1.25, 2.15)
 """Of the peak's wavenumber: the longest and the shortest waves in which certify asks for velocities in a sea."""
@@ -42,6 +42,12 @@ def water_words(
 def current_words(fastest: float, unit: str, profile: str = "") -> str:
     """The current: how fast at most, and whether it is uniform."""
     return f"one current in the picture, {profile}of {fastest:.2g} {unit} at most"
+
+
+def seas_words(water: str, peak: float | None, fastest: float, unit: str) -> str:
+    """Random seas that were made from parameters: in which water, with which peak (in m), on how fast a current."""
+    waves = "with their peak in scaled units" if peak is None else f"with a peak at {peak:.3g} m"
+    return f"random seas ({water[0].lower()}{water[1:]}, {waves}, on a uniform current of {fastest:.2g} {unit} at most)"
 
 
 def peaks(shortest: float, longest: float, peak: float | None = None) -> tuple[float, float]:

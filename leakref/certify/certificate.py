@@ -26,7 +26,7 @@ from leakref.certify.subject.declaration import Declaration
 from leakref.certify.subject.frames import OWN, waves_in_words
 from leakref.certify.verdict import WRONG, Finding, Known, Verdict
 from leakref.dispersion import Water
-from leakref.scope import current_words, water_words
+from leakref.scope import current_words, seas_words, water_words
 
 __all__ = ["CONFORMANT", "MUST", "NO_GRADE", "REJECTED", "SOUND", "Certificate", "junit", "schema"]
 
@@ -239,7 +239,7 @@ class Certificate:
         stages = list(self.declaration.get("can", {}))
         words = [self.grade or NO_GRADE]
         if stages and not self.offers("extract"):
-            words.append(f"{' and '.join(stages)} only")
+            words.append(f"{' and '.join('random seas' if one == 'sea' else one for one in stages)} only")
         if waves := waves_in_words(Declaration.read(self.declaration)):
             words.append(f"in {waves}")
         if self.only:
@@ -300,18 +300,6 @@ def _in_words(scope: Mapping[str, Any], si: bool) -> str:
     ]
     if scope["methods"] == [OWN]:
         asked[-1] = "no method named, so held to no digits (declare nsp or ls to be)"
-    if not scope["peak_wavelengths"]:
-        told = ", ".join(scope["stages"]) or "nothing"
-        return f"No velocity was judged; offered: {told}."
-    short, long = scope["peak_wavelengths"]
-    if si:
-        waves, other = f"linear waves {scope['peak_wavelength']:.3g} m long", f"{short:.3g} to {long:.3g} m"
-    else:
-        waves, other = (
-            "linear waves in scaled units",
-            f"{short / 2 / np.pi:.2g} to {long / 2 / np.pi:.2g} times as long",
-        )
-    waves += f" (in the family scale {other})" * (short < long)
     unit = scope["units"][1] + " (c0: sqrt(g / k0))" * (not si)
     current = current_words(scope["fastest_current"], unit, "uniform or changing with depth, ")
     water = water_words(
@@ -322,6 +310,19 @@ def _in_words(scope: Mapping[str, Any], si: bool) -> str:
         felt=f"up to {scope['surface_tension']:.2g}"
         + (f" m3/s2 (waves of {scope['ripples']:.2g} m)" if si else " g / k0^2"),
     )
+    if not scope["peak_wavelengths"]:
+        seas = seas_words(water, scope["peak_wavelength"] if si else None, scope["fastest_current"], unit)
+        stages = [seas if name == "sea" else name for name in scope["stages"]]
+        return f"No velocity was judged; offered: {', '.join(stages) or 'nothing'}."
+    short, long = scope["peak_wavelengths"]
+    if si:
+        waves, other = f"linear waves {scope['peak_wavelength']:.3g} m long", f"{short:.3g} to {long:.3g} m"
+    else:
+        waves, other = (
+            "linear waves in scaled units",
+            f"{short / 2 / np.pi:.2g} to {long / 2 / np.pi:.2g} times as long",
+        )
+    waves += f" (in the family scale {other})" * (short < long)
     return f"{water}, {waves}, {current}; {'; '.join(asked)}."
 
 

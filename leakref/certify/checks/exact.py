@@ -201,7 +201,8 @@ def judge_exactly(
         outcome = _judged(subject, more, method, allowed, others)
     if outcome.over <= 1 or not _wants_noise(subject, cube, method, outcome):
         return outcome
-    return _judged(subject, replace(noisy or more or cube, noise=TRACE), method, allowed, max(1.0, others))
+    again = _judged(subject, replace(noisy or more or cube, noise=TRACE), method, allowed, max(1.0, others))
+    return replace(again, message=f"of waves with a trace of noise, {again.message}")
 
 
 def _wants_noise(subject: Subject, cube: Cube, method: str, outcome: Outcome) -> bool:

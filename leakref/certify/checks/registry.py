@@ -29,6 +29,7 @@ FAMILIES = {
     "depth": "Finite depth and surface tension, for codes that are told of them.",
     "scale": "Scale invariance: the same sea, larger or smaller, has the same current in units of c0.",
     "synthesis": "Energy and statistics of a synthesised surface.",
+    "sea": "Random seas from parameters: energy, spectrum, directions, motion and chance.",
     "conformance": "Conformance to the golden values, stage by stage.",
     "behaviour": "Behaviour: input untouched, deterministic, refuses what is not finite.",
 }

@@ -46,6 +46,7 @@ def symptoms(findings: Sequence[Finding], declared: Mapping[str, Any]) -> list[H
         *_depth(failed),
         *_energy(failed),
         *_crests(failed),
+        *_seas(failed),
         *_signs_lost(failed),
         *(list(_stale(failed)) or _repeated(failed, declared)),  # which repeats values because it repeats cubes
         *_scales(findings, Declaration.read(declared)),
@@ -94,6 +95,15 @@ def _depth(failed: Sequence[Finding]) -> Iterator[Hypothesis]:
         if len(found) >= enough:
             depths = Counter(part["right_in"] for part in found if "right_in" in part).most_common(1)
             yield said(identifier, words + "".join(f": it answers as in {depth}" for depth, _ in depths))
+
+
+def _seas(failed: Sequence[Finding]) -> Iterator[Hypothesis]:
+    """What is wrong with random seas, the worst of each kind: the findings are in the words of the mistake."""
+    found = {}
+    for f in sorted((f for f in failed if f.family == "sea" and f.over is not None), key=lambda f: f.over or 0.0):
+        found[f.id.partition("[")[0]] = f.message
+    for check, message in found.items():
+        yield said(check, message)
 
 
 def _crests(failed: Sequence[Finding]) -> Iterator[Hypothesis]:

@@ -33,7 +33,7 @@ _OF_WATER = {
 }  # in which any code's are: the ocean is 11 km deep, and 0.07 is the surface tension of water in N/m
 _SHALLOWEST = 0.7  # k0 h: a code with one depth is shown shorter waves rather than such as feel the bottom more
 
-STAGES = ("window", "synthesize", "spectrum", "extract")
+STAGES = ("sea", "window", "synthesize", "spectrum", "extract")
 """In the order of the chain."""
 _LONGEST = 120  # characters of a word
 _DEFAULT = {"name": "unnamed", "version": "", "units": "scaled", "axes": "xyt", "y": "up", "direction": "to"}
@@ -57,7 +57,7 @@ class Declaration:
     - `direction`: `to` where a current is given by where it goes, `from` where by where it comes from.
     - `format`: of the arrays exchanged with a program, `npz`, `mat` or `raw`.
     - `can`: for each stage offered what of it: `methods`, `windows` and `resolves` of `extract`, `windows` of
-      `spectrum`, `names` of `window`. What is left out has a default.
+      `spectrum`, `names` of `window`, `amplitudes` of `sea`. What is left out has a default.
     """
 
     name: str = "unnamed"
@@ -111,6 +111,8 @@ class Declaration:
                     )
         if (resolves := can.get("extract", {}).get("resolves", "band")) not in ("wavenumber", "band"):
             raise Unanswered(Verdict.ERROR, f"declares resolves = {resolves!r}, should be wavenumber or band")
+        if (amplitudes := can.get("sea", {}).get("amplitudes")) not in (None, "fixed", "random"):
+            raise Unanswered(Verdict.ERROR, f"declares amplitudes = {amplitudes!r}, should be fixed or random")
         fixed = known["fixed"]
         if not _names(fixed):
             raise Unanswered(

@@ -17,6 +17,7 @@ import numpy.typing as npt
 from leakref._base import FloatArray
 from leakref.certify.subject.answers import Velocities, matched, part, refuse_bad, rows
 from leakref.certify.subject.declaration import GRAVITY, PEAK, WATER, Declaration
+from leakref.certify.subject.seas import Sea
 from leakref.certify.verdict import Unanswered, Verdict
 from leakref.dispersion import Water
 from leakref.scope import waves_words
@@ -77,6 +78,8 @@ class Subject:
         """Those in which it has answered, scaled, and at which scale."""
         self.asked_as: Declaration | None = None
         """Whose questions it is asked, if not its own: those of a code which the reference is compared with."""
+        self.seas: dict[Any, Any] = {}
+        """What was measured in the random seas that it has made, by the sea: several checks look at the same ones."""
         self.handled = 0.0
         """Samples of all cubes that it was asked for, times wavenumbers: what the judging cost, on any machine."""
 
@@ -299,6 +302,26 @@ class Subject:
         eta = self.unframed(found)
         eta = np.asarray(eta[:, ::-1] if flip else eta, dtype=np.float64) / length
         return self._kept("synthesize", {"waves": components.kx.size}, eta)
+
+    def sea(self, asked: Sea, seed: int) -> FloatArray:
+        """A random sea (nx, ny, nt), in units of 1 / k0. Raises Unanswered, also for what is not finite."""
+        self._require("sea")
+        if against := self.declaration.takes(asked.grid.shape):
+            raise Unanswered(Verdict.UNSUPPORTED, f"{against}; this has {asked.grid.shape}")
+        told = self._water(asked.water, 1.0, 1.0)
+        parameters = {**asked.parameters(self.declaration, seed), **told}
+        found = np.asarray(part(self._work("sea", {}, parameters), "eta"))
+        shape = tuple(asked.grid.shape["xyt".index(axis)] for axis in self.declaration.axes)
+        if found.shape != shape or found.dtype.kind not in "fiu":
+            raise Unanswered(Verdict.FAIL, f"eta has shape {found.shape} of {found.dtype}, should be real, {shape}")
+        if not np.isfinite(found).all():
+            raise Unanswered(Verdict.FAIL, "eta holds values that are not finite")
+        eta = self.unframed(found)
+        eta = eta[:, ::-1] if self.declaration.y == "down" else eta
+        self.waters.add((asked.water, 1.0))
+        self.fastest = max(self.fastest, float(np.hypot(*asked.current)))
+        self.handled += eta.size
+        return np.asarray(eta, dtype=np.float64) / self.units(1.0)[0]
 
     def window(self, name: str, size: int) -> FloatArray:
         """Samples of a window, (size,).
