@@ -138,9 +138,9 @@ class Generator:
 
     def sea(self, shape: tuple[int, int, int], spacing: tuple[float, float, float], *, variance: float,
             peak_wavenumber: float, peakedness: float, direction: float, spread: float, current: tuple[float, float],
-            gravity: float, depth: float, seed: int) -> FloatArray:  # fmt: skip
+            gravity: float, depth: float, surface_tension: float = 0.0, seed: int) -> FloatArray:  # fmt: skip
         """A surface, (nx, ny, nt)."""
-        grid, water = Grid(shape, spacing), Water(gravity, depth)
+        grid, water = Grid(shape, spacing), Water(gravity, depth, surface_tension)
         waves = random_sea(grid, seed, variance=variance, peak_wavenumber=peak_wavenumber, peakedness=peakedness,
                            direction=direction, spread=spread, current=current, water=water)  # fmt: skip
         return synthesize(waves, *(grid.samples(axis) for axis in range(3)))

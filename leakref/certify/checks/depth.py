@@ -22,8 +22,8 @@ from leakref.certify.checks.exact import (
     NOISY,
     TAPERED,
     aligned_window,
-    held_to_digits,
     judge_exactly,
+    of_its_own,
     others_in_words,
 )
 from leakref.certify.checks.inputs import GRIDS, Cube, polar
@@ -208,7 +208,7 @@ def check_change(subject: Subject, case: Case) -> Outcome:
         words = f"handed {told} instead of {before} its answer changes by {vector(second - first)}, should change by "
         words += vector((other.truth - cube.truth)[0])
         unused = bool(np.hypot(*(second - first)) < UNCHANGED)
-        if both[0].over > 1 and not unused and not held_to_digits(subject, aligned_window(subject), method):
+        if both[0].over > 1 and not unused and of_its_own(subject, method):
             raise Unanswered(Verdict.UNSUPPORTED, "is as far off in the water that the two waves were made in")
         words += ": the depth it is handed is not used" * unused
         return replace(outcome, message=f"{words}; {outcome.message}", figures={**outcome.figures, "unused": unused})

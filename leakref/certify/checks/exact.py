@@ -47,6 +47,7 @@ __all__ = [
     "exactly_in_words",
     "held_to_digits",
     "judge_exactly",
+    "of_its_own",
     "others_in_words",
     "right",
 ]
@@ -98,10 +99,10 @@ TAPERED = (
 TRACE = 1e-3
 """Of the standard deviation of the waves: the noise that a clean cube is shown with again; a camera has more."""
 NOISY = (
-    " One that is not held to digits and off is asked again with a trace of noise, a thousandth of the waves, as every "
-    "camera has it. Where that moves its answer by more than a tenth of the resolution it is no code for cubes so "
-    "clean, as one that divides by what there is at each frequency and sees nothing but rounding: it is shown twelve "
-    "waves with such noise, and may be off by the resolution."
+    " A method of another name, or one velocity for the band, that is off is asked again with a trace of noise, a "
+    "thousandth of the waves, as every camera has it. Where that moves its answer by more than a tenth of the "
+    "resolution it is no code for cubes so clean, as one that divides by what there is at each frequency and sees "
+    "nothing but rounding: it is shown twelve waves with such noise, and may be off by the resolution."
 )
 """What comes after a clean cube that a code was off in."""
 MORE = " A code that gives no velocity where two waves are all there is, is shown twelve."
@@ -137,6 +138,11 @@ def held_to_digits(subject: Subject, window: str, method: str) -> bool:
     if method not in METHODS or subject.declaration.band or (window != "box" and window not in WINDOWS):
         return False
     return (window == "box" and METHODS[method].exact_on_bins) or method in identify(subject)
+
+
+def of_its_own(subject: Subject, method: str) -> bool:
+    """Whether a method has another name than those of the reference, or answers once for the whole band."""
+    return method not in METHODS or subject.declaration.band
 
 
 def exactly(
@@ -199,18 +205,23 @@ def judge_exactly(
             raise
         cube, subject.gaps = more, ""
         outcome = _judged(subject, more, method, allowed, others)
-    if outcome.over <= 1 or not _wants_noise(subject, cube, method, outcome):
+    if outcome.over <= 1 or not of_its_own(subject, method):
         return outcome
-    again = _judged(subject, replace(noisy or more or cube, noise=TRACE), method, allowed, max(1.0, others))
-    return replace(again, message=f"of waves with a trace of noise, {again.message}")
+    asked = len(subject.calls)
+    try:
+        if not _wants_noise(subject, cube, method, outcome):
+            return outcome
+        again = _judged(subject, replace(noisy or more or cube, noise=TRACE), method, allowed, max(1.0, others))
+        return replace(again, message=f"of waves with a trace of noise, {again.message}")
+    except Unanswered:  # what it gave no answer to is no excuse
+        return outcome
+    finally:
+        del subject.calls[asked:]  # a diagnosis puts the clean cube to the reference
 
 
 def _wants_noise(subject: Subject, cube: Cube, method: str, outcome: Outcome) -> bool:
-    """Whether a trace of noise moves the answer of a code that is not held to digits, by more than `FINE`."""
-    window = aligned_window(subject)
-    if held_to_digits(subject, window, method):
-        return False
-    found, there = ask(subject, replace(cube, noise=TRACE), window, method)
+    """Whether a trace of noise moves its answer by more than `FINE`."""
+    found, there = ask(subject, replace(cube, noise=TRACE), aligned_window(subject), method)
     moved = np.hypot(*(found - np.asarray(outcome.figures["velocities"])).T)
     return bool((moved > FINE * cube.resolutions[0])[there].any())
 

@@ -38,11 +38,12 @@ class Unrepeatable(Generator):
         self.calls = 0
 
     def sea(self, *grid: Any, variance: float, peak_wavenumber: float, peakedness: float, direction: float,
-            spread: float, current: tuple[float, float], gravity: float, depth: float, seed: int) -> Any:  # fmt: skip
+            spread: float, current: tuple[float, float], gravity: float, depth: float, surface_tension: float = 0.0,
+            seed: int) -> Any:  # fmt: skip
         """A surface, (nx, ny, nt), another one with each call."""
         self.calls += 1
         return super().sea(*grid, variance=variance, peak_wavenumber=peak_wavenumber, peakedness=peakedness,
-                           direction=direction, spread=spread, current=current, gravity=gravity, depth=depth,
+                           direction=direction, spread=spread, current=current, gravity=gravity, depth=depth, surface_tension=surface_tension,
                            seed=seed + 7919 * self.calls)  # fmt: skip
 
 

@@ -2,7 +2,7 @@
 
 What an implementation declares of itself is kept in a `Declaration`; a `Subject` turns arrays into the declared frame
 and units, has them worked on, in this process or in another, and turns answers back. A check never sees a frame. The
-four stages are those of the protocol: `window`, `synthesize`, `spectrum` and `extract`.
+stages are those of the protocol: `sea`, `window`, `synthesize`, `spectrum` and `extract`.
 """
 
 from __future__ import annotations
@@ -181,7 +181,7 @@ class Subject:
         axes = {name: np.arange(n) * step for name, n, step in zip("xyt", surface.shape, steps, strict=True)}
         return {"eta": self.framed(surface * length), **axes}, steps, gravity
 
-    # ------------------------------------------------------------ the four stages
+    # ------------------------------------------------------------ the stages
 
     def extract(
         self,
