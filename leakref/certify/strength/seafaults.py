@@ -43,8 +43,8 @@ class Unrepeatable(Generator):
         """A surface, (nx, ny, nt), another one with each call."""
         self.calls += 1
         return super().sea(*grid, variance=variance, peak_wavenumber=peak_wavenumber, peakedness=peakedness,
-                           direction=direction, spread=spread, current=current, gravity=gravity, depth=depth, surface_tension=surface_tension,
-                           seed=seed + 7919 * self.calls)  # fmt: skip
+                           direction=direction, spread=spread, current=current, gravity=gravity, depth=depth,
+                           surface_tension=surface_tension, seed=seed + 7919 * self.calls)  # fmt: skip
 
 
 SEA_FAULTS = (
