@@ -25,6 +25,8 @@ STAGES = {
     "velocity (x, y) at each of them, in the units of the cube.",
     "spectrum": "Given: the surface elevation of a cube, its spacings and a window. Wanted: its complex spectrum.",
     "window": "Given: the name of a window and a number of samples. Wanted: the samples of the window.",
+    "sea": "Given: a grid, and what a random sea is to be: its energy, peak, peakedness, direction, spread, current, "
+    "depth and a seed, each in several forms. Wanted: the surface.",
     "synthesize": "Given: waves by wave vector, frequency, amplitude and phase, and coordinates. Wanted: the surface.",
 }
 """What a code is given at each stage, and what it is to return: in its own axes and units (guide protocol)."""

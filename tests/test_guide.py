@@ -20,6 +20,7 @@ from leakref.certify.runner import run_check
 from leakref.certify.subject import child, protocol
 from leakref.certify.subject.declaration import Declaration
 from leakref.certify.subject.inprocess import InProcess
+from leakref.certify.subject.seas import Sea
 from leakref.certify.targets import Limits, connect, load
 from leakref.certify.verdict import Verdict
 from leakref.window import WINDOWS
@@ -291,6 +292,8 @@ def test_its_stages_are_handed_what_it_says(tmp_path):
         surface = synthesize(waves, *axes)
         subject.spectrum(surface, grid.spacing, "hann")
         subject.extract(surface, grid.spacing, [1.5], window="box", raw=True)
+    with connect("leakref.chain:generator", keep=tmp_path / "seas") as subject:
+        subject.sea(Sea(grid, 30.0, 120.0, 3.3, 1e-3, (0.0, 0.0), subject.still()), 1)
     seen = {}
     for request in tmp_path.rglob("request.json"):
         asked = json.loads(request.read_text(encoding="utf-8"))

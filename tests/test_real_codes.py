@@ -114,23 +114,47 @@ def iwave(*options):
     return iwave_python(), HERE / "iwave_adapter.py", *options
 
 
-def test_iwave_in_waves_of_its_own_size_is_right_in_seas():
+def test_iwave_is_sound_in_its_own_waves():
     found = certificate(
-        iwave("--waves-only", "--fastest", "1.5", "--shrink", "16"),
+        iwave("--waves-only", "--fastest", "1.5"),
         "signs.sea",
+        "recovery.pair[even-1]",  # clean cubes, which it is shown with a trace of noise
+        "recovery.pair[prime-2]",
+        "recovery.ring[still]",
         "recovery.sea",
         "leakage.still",
-        "shear.band[linear]",
+        "depth.aligned[2]",
+        "depth.change[1.2-for-0.8]",  # two waves on bins are too few for it
+        "scale.peak",
+        "scale.duration[brief]",  # shorter than its README asks for
         "behaviour.deterministic",
         "behaviour.refuses[nan]",
     )
-    assert [f for f in found.findings if f.verdict != "pass"] == []
-    assert found.grade == "sound"
+    said = verdicts(found)
+    assert {name for name, verdict in said.items() if verdict != "pass"} == {
+        "depth.change[1.2-for-0.8]",
+        "scale.peak[4-untapered]",
+        "scale.peak[sixteenth-untapered]",
+        "scale.peak[16-untapered]",
+        "scale.duration[brief]",
+    }
+    assert found.wrong == []
+    assert found.grade_line.startswith("sound, in waves of 0.5 to 4 m, ")
+    assert found.scope()["peak_wavelengths"] == pytest.approx([0.5, 4.0])
     assert found.declaration["can"]["extract"]["resolves"] == "band"
 
 
+def test_iwave_as_it_comes_is_told_what_it_errs_by():
+    found = certificate(iwave(), "signs.sea[to-22.5]", "signs.sea[to-292.5]", "scale.peak[16]")
+    (wrong,) = found.wrong
+    assert wrong.id == "signs.sea[to-292.5]"
+    assert "a current of (0.1148, -0.2772) comes back as (" in wrong.message  # and like no image of it
+
+
 def test_iwave_in_waves_of_25_metres_is_not():
-    found = certificate(iwave(), "signs.sea", "recovery.sea", "scale.peak[4]", "behaviour.deterministic")
+    found = certificate(
+        iwave("--waves", "20", "32"), "signs.sea", "recovery.sea", "scale.peak[4]", "behaviour.deterministic"
+    )
     said = verdicts(found)
     assert said.pop("behaviour.deterministic[twice]") == "pass"
     assert set(said.values()) == {"fail"}

@@ -2,6 +2,7 @@
 
 import json
 from contextlib import nullcontext
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,8 +10,11 @@ import pytest
 from leakref import nsp
 from leakref._base import LeakrefError
 from leakref.certify.checks import inputs
+from leakref.certify.checks.exact import TRACE
 from leakref.certify.commands import Request
+from leakref.certify.report import sentence
 from leakref.certify.runner import certify, run_checks, select
+from leakref.certify.strength.clues import parts
 from leakref.certify.strength.diagnosis import explain
 from leakref.certify.strength.regime import CLOSE, right_between
 from leakref.certify.subject.declaration import PEAK, Declaration
@@ -221,3 +225,90 @@ def test_waves_on_the_command_line_go_before_those_declared(capfd, monkeypatch, 
     assert said["declaration"]["waves"] == {"peak_wavelength": [0.5, 4.0]}
     assert "in waves of 0.5 to 4 m" in said["grade_line"]
     assert said["scope"]["peak_wavelengths"] == pytest.approx(RANGE)
+
+
+def test_a_declared_current_too_slow_to_see_leaves_the_signs_open():
+    found = judged(Shown(waves={"fastest": 0.3}), "signs", "leakage.still[broad]")  # 25 m: c0 = 6.3 m/s
+    signs = [f for f in found.findings if f.family == "signs"]
+    assert all("too slow to tell a slip of sign by" in f.message for f in signs)
+    assert found.grade is None
+    assert found.status == 3
+    assert "which way its velocities point is not known" in sentence(found)
+
+
+def test_records_shorter_than_a_code_takes_are_not_shown():
+    code = Shown(cube={"duration": 20.0})  # 25 m: ten periods are 40 s
+    found = {f.id: f for f in judged(code, "scale.duration", "signs.sea[to-22.5]").findings}
+    assert found["scale.duration[brief]"].verdict is Verdict.UNSUPPORTED
+    assert "takes no record shorter than 20 s; this has 14.3 s" in found["scale.duration[brief]"].message
+    assert found["signs.sea[to-22.5]"].verdict is Verdict.PASS
+    assert all(shape[2] * spacing[2] >= 20 for shape, spacing, _ in code.seen)
+
+
+def test_square_pixels_go_with_numbers_of_samples():
+    code = Shown(fixed=["dy"], cube={"multiple": 4})
+    found = judged(code, "signs.sea[to-22.5]", "recovery.pair")
+    assert found.coverage["judged"] == found.coverage["asked"]
+    assert not found.wrong, [(f.id, f.message) for f in found.wrong]
+    assert all(not any(n % 4 for n in shape) and spacing[0] == spacing[1] for shape, spacing, _ in code.seen)
+
+
+class Whitening(Shown):
+    """The reference after each frequency was divided by what it holds, as codes do that want waves of all lengths to
+    weigh alike: right of every sea, and lost where most frequencies hold nothing but rounding."""
+
+    def describe(self):
+        return {"units": "si", "can": {"extract": {"methods": ["own"], "windows": []}}}
+
+    def extract(self, surface, spacing, wavenumbers, *, gravity):
+        self.seen.append(surface.shape)
+        transformed = np.fft.fftn(surface)
+        power = np.abs(transformed) ** 2
+        eta = np.fft.ifftn(transformed / np.sqrt(power.mean(axis=(0, 1)))).real
+        return self.answer(extract(eta, spacing, wavenumbers, gravity=gravity, window="box", method="ls").velocities)
+
+    def answer(self, velocities):
+        return velocities
+
+
+class Exchanged(Whitening):
+    def answer(self, velocities):
+        return velocities[:, ::-1]
+
+
+CLEAN = ("recovery.pair[prime-1]", "recovery.pair[even-1]", "recovery.ring", "currents.aligned")
+
+
+def test_who_divides_by_what_is_at_a_frequency_is_asked_with_a_trace_of_noise():
+    clean = inputs.pair(inputs.PRIME, (3, -5), (6, 1), (0.0, 0.0))
+    off = [
+        np.hypot(
+            *(InProcess(Whitening()).extract(c.surface, c.spacing, c.wavenumbers, window="box").values - c.truth)[0]
+        )
+        for c in (clean, replace(clean, noise=TRACE))
+    ]
+    assert off[0] > 0.1 > 10 * off[1]
+    found = judged(Whitening(), *CLEAN)
+    assert not found.wrong, [(f.id, f.message) for f in found.wrong]
+    assert {f.id.partition("[")[0] for f in judged(Exchanged(), *CLEAN).wrong} == {
+        one.partition("[")[0] for one in CLEAN
+    }
+
+
+class Drift(Shown):
+    """Takes waves for something that drifts: a dispersion relation without the waves' own frequency."""
+
+    def describe(self):
+        return {"units": "si", "can": {"extract": {"methods": ["own"], "windows": ["hann"]}}}
+
+    def extract(self, surface, spacing, wavenumbers, *, gravity):
+        return extract(surface, spacing, wavenumbers, gravity=1e-9, method="ls").velocities
+
+
+def test_who_takes_waves_for_drift_is_told_so():
+    found = judged(Drift(), "signs.sea[to-22.5]", "recovery.sea[broad]", "leakage.still[broad]")
+    assert [", along the waves, and not the water" in f.message for f in found.wrong] == [True] * 3
+    assert "in 3 of 3 seas that fell short its velocity is that of the crests" in explain(found).explanation
+    right = judged(Shown(), "signs.sea[to-22.5]", "recovery.sea[broad]")
+    assert not right.wrong
+    assert not any(part.get("crests") for f in right.findings for part in parts(f.figures))

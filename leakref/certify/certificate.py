@@ -26,6 +26,7 @@ from leakref.certify.subject.declaration import Declaration
 from leakref.certify.subject.frames import OWN, waves_in_words
 from leakref.certify.verdict import WRONG, Finding, Known, Verdict
 from leakref.dispersion import Water
+from leakref.scope import current_words, seas_words, water_words
 
 __all__ = ["CONFORMANT", "MUST", "NO_GRADE", "REJECTED", "SOUND", "Certificate", "junit", "schema"]
 
@@ -115,13 +116,15 @@ class Certificate:
     def thin(self) -> list[tuple[str, int, int]]:
         """Families of which less than half was judged of what the declaration admits: their name, judged, admitted.
 
-        Looked at are those of `MUST`; for a code that offers no velocities, all that were asked.
+        Looked at are those of `MUST`; for a code that offers no velocities, all that were asked. Where nothing of the
+        signs could be asked that is too little as well: nobody knows then which way its velocities point.
         """
         found = []
         for family in MUST if self.offers("extract") else FAMILIES:
-            admitted = [f for f in self.findings if f.family == family and f.verdict is not Verdict.UNSUPPORTED]
+            asked = [f for f in self.findings if f.family == family]
+            admitted = [f for f in asked if f.verdict is not Verdict.UNSUPPORTED]
             judged = sum(f.verdict is not Verdict.MISSING for f in admitted)
-            if 2 * judged < len(admitted):
+            if 2 * judged < len(admitted) or (family == "signs" and self.offers("extract") and asked and not admitted):
                 found.append((family, judged, len(admitted)))
         return found
 
@@ -236,7 +239,7 @@ class Certificate:
         stages = list(self.declaration.get("can", {}))
         words = [self.grade or NO_GRADE]
         if stages and not self.offers("extract"):
-            words.append(f"{' and '.join(stages)} only")
+            words.append(f"{' and '.join('random seas' if one == 'sea' else one for one in stages)} only")
         if waves := waves_in_words(Declaration.read(self.declaration)):
             words.append(f"in {waves}")
         if self.only:
@@ -297,9 +300,20 @@ def _in_words(scope: Mapping[str, Any], si: bool) -> str:
     ]
     if scope["methods"] == [OWN]:
         asked[-1] = "no method named, so held to no digits (declare nsp or ls to be)"
+    unit = scope["units"][1] + " (c0: sqrt(g / k0))" * (not si)
+    current = current_words(scope["fastest_current"], unit, "uniform or changing with depth, ")
+    water = water_words(
+        scope["depths"],
+        scope["surface_tension"],
+        deep=scope["depth"] == "deep and finite",
+        unit="m" if si else "/ k0",
+        felt=f"up to {scope['surface_tension']:.2g}"
+        + (f" m3/s2 (waves of {scope['ripples']:.2g} m)" if si else " g / k0^2"),
+    )
     if not scope["peak_wavelengths"]:
-        told = ", ".join(scope["stages"]) or "nothing"
-        return f"No velocity was judged; offered: {told}."
+        seas = seas_words(water, scope["peak_wavelength"] if si else None, scope["fastest_current"], unit)
+        stages = [seas if name == "sea" else name for name in scope["stages"]]
+        return f"No velocity was judged; offered: {', '.join(stages) or 'nothing'}."
     short, long = scope["peak_wavelengths"]
     if si:
         waves, other = f"linear waves {scope['peak_wavelength']:.3g} m long", f"{short:.3g} to {long:.3g} m"
@@ -309,21 +323,7 @@ def _in_words(scope: Mapping[str, Any], si: bool) -> str:
             f"{short / 2 / np.pi:.2g} to {long / 2 / np.pi:.2g} times as long",
         )
     waves += f" (in the family scale {other})" * (short < long)
-    speed = f"{scope['fastest_current']:.2g} {scope['units'][1]}" + " (c0: sqrt(g / k0))" * (not si)
-    current = f"one current in the picture, uniform or changing with depth, of {speed} at most"
-    return f"{_water_in_words(scope, si)}, {waves}, {current}; {'; '.join(asked)}."
-
-
-def _water_in_words(scope: Mapping[str, Any], si: bool) -> str:
-    """The water for a reader, in the code's own units."""
-    depth, unit = "Deep water", " m" if si else " / k0"
-    if scope["depths"]:
-        low, high = (f"{value:.3g}" for value in scope["depths"])
-        finite = f"depths of {low} to {high}{unit}" if low != high else f"a depth of {low}{unit}"
-        depth = f"Deep water and {finite}" if scope["depth"] == "deep and finite" else f"Water of {finite}"
-    waves = f" m3/s2 (waves of {scope['ripples']:.2g} m)" if si else " g / k0^2"
-    tension = f"surface tension up to {scope['surface_tension']:.2g}{waves}"
-    return f"{depth}, {tension if scope['surface_tension'] else 'no surface tension'}"
+    return f"{water}, {waves}, {current}; {'; '.join(asked)}."
 
 
 def schema() -> dict[str, Any]:

@@ -44,6 +44,8 @@ def sentence(certificate: Certificate) -> str:
     if not n:
         return "Nothing that was asked is offered." if not missing else "It answered nothing of what it offers."
     if certificate.thin:
+        if not all(admitted for _, _, admitted in certificate.thin):
+            return "Nothing of the signs could be asked of it: which way its velocities point is not known."
         told = ", ".join(f"{judged} of {admitted} in {family}" for family, judged, admitted in certificate.thin)
         return f"Too little was answered of what it offers: {told}. Of each at least half must be."
     refused = f" To {missing} it gave no answer, though it offers one." if missing else ""
@@ -113,6 +115,9 @@ def _declared(said: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     yield "fixed", ", ".join(said["fixed"]) or "nothing"
     if said.get("cube"):
         for name, value in said["cube"].items():
+            if name == "duration":
+                yield "cube: shortest record", f"{value:g}" + (" s" if said["units"] == "si" else " / omega0")
+                continue
             sizes = f"{value} samples along each axis" if name == "multiple" else " x ".join(map(str, value))
             yield f"cube: {name}", sizes + " samples along x, y, t" * (name != "multiple")
     for name, value in (said.get("waves") or {}).items():

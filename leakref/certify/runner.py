@@ -97,8 +97,13 @@ def certify(
     opened: list[Subject] = []
 
     def asked(subject: Subject) -> list[int]:
-        """Of the checks. What a code that knows one water only is not asked does not stand on its certificate."""
-        return [n for n, (_, case) in enumerate(checks) if not case.water or subject.told]
+        """Of the checks. What a code that knows one water only, or makes no seas, is not asked does not stand on its
+        certificate.
+        """
+        seas = subject.offers("sea")
+        return [
+            n for n, (c, case) in enumerate(checks) if (not case.water or subject.told) and (seas or c.stage != "sea")
+        ]
 
     def open_and_work(session: AbstractContextManager[Subject]) -> None:
         with session as subject:

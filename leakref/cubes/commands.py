@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from rich.console import Console
 from rich.markup import escape
 
@@ -20,9 +21,12 @@ from leakref.cubes import blocks, files, reporting, screen
 from leakref.cubes.asked import parse_crop, parse_range, parse_spacing
 from leakref.cubes.cube import UNITS, Cube
 from leakref.cubes.measuring import Measured, Request, measure
+from leakref.cubes.waters import is_metric
 from leakref.cubes.wavenumbers import parse_wavenumbers
 from leakref.dispersion import velocity_resolutions
 from leakref.methods import method as named_method
+from leakref.scope import Scope
+from leakref.shell import Extraction
 from leakref.window import window as named_window
 
 __all__ = ["extract"]
@@ -126,10 +130,29 @@ def _record(
         shell=measured.contrasts,
         shell_band=reporting.shell_record(shell),
         notes=measured.notes,
+        scope=scope_of(cube, found).record(),
         verdicts=None if screened is None else screened.verdicts,
         screen=reporting.screen_record(screened, window),
     )
     return record, flags, resolutions
+
+
+def scope_of(cube: Cube, found: Extraction) -> Scope:
+    """In which waves, water and current the velocities were had, in the words of certificates."""
+    there = np.isfinite(found.velocities).all(axis=1)
+    lengths = 2 * np.pi / found.wavenumbers[there]
+    speeds = np.hypot(*found.velocities[there].T)
+    metric = is_metric(cube.units, cube.gravity)
+    units = {"scaled": ("/ k0", "c0")}.get(cube.units, ("m", "m/s") if metric else ("of its lengths", "of its speeds"))
+    return Scope(
+        (float(lengths.min()), float(lengths.max())) if lengths.size else None,
+        cube.depth,
+        cube.surface_tension,
+        float(speeds.max()) if speeds.size else None,
+        None if cube.peak_wavenumber is None else float(2 * np.pi / cube.peak_wavenumber),
+        units,
+        metric,
+    )
 
 
 def _show(
@@ -157,6 +180,9 @@ def _show(
     if screened is not None:
         for line in reporting.summary(screened):
             show.print(line, soft_wrap=True, highlight=False)
+    scope = scope_of(cube, measured.found)
+    for line in filter(None, (scope.words, scope.advice)):
+        show.print(f"{line}.", soft_wrap=True, highlight=False, markup=False)
     if out is not None:
         there = ", ".join(
             kind

@@ -13,8 +13,9 @@ import numpy.typing as npt
 
 from leakref.dispersion import Water
 from leakref.planning.plan import GRAVITY, Campaign, Expected, Plan
+from leakref.scope import Scope
 
-__all__ = ["SHARE", "advice", "ranges"]
+__all__ = ["SHARE", "advice", "ranges", "scope"]
 
 SHARE = 0.2
 """Of the current: errors of single flights up to here are called small."""
@@ -56,6 +57,13 @@ def advice(plan: Plan) -> list[str]:
         _enlarge(plan),
         *_water(plan.campaign),
     ]
+
+
+def scope(plan: Plan) -> Scope:
+    """In which waves, water and current velocities will be had, in the words of certificates."""
+    c, lengths = plan.campaign, plan.best.wavelengths
+    ends = (float(lengths.min()), float(lengths.max()))
+    return Scope(ends, c.depth, c.surface_tension, c.speed, c.peak_wavelength, profile="uniform, ")
 
 
 def _ratio(other: tuple[float, float], own: tuple[float, float]) -> tuple[float, float]:

@@ -19,7 +19,7 @@ from leakref import runs
 from leakref._base import LeakrefError
 from leakref._output import console, dump, envelope, folder, progress_bar, write_whole
 from leakref._tables import Table
-from leakref.planning.advice import advice
+from leakref.planning.advice import advice, scope
 from leakref.planning.flight import default_realizations, work
 from leakref.planning.plan import GRAVITY, Campaign, Expected, Plan, expected, plan, swept
 from leakref.planning.quantities import CLEAN_WATER, DEEP_WATER, depth_words, number, quantity, tension_words
@@ -212,6 +212,7 @@ def _record(found: Plan, said: Sequence[str], count: int) -> dict[str, Any]:
             for what, level, number in levels
         ],
         recommendations=said,
+        scope=scope(found).record(),
     )
 
 
@@ -331,6 +332,8 @@ def _show(
         show.print(_sweep_table(name, values, sweeps))
     for sentence in said:
         show.print(f"- {sentence}", soft_wrap=True, highlight=False)
+    for sentence in (scope(found).words, scope(found).advice):
+        show.print(f"{sentence}.", soft_wrap=True, highlight=False, markup=False)
 
 
 def _sweep_table(name: str, values: Sequence[float], sweeps: Sequence[Mapping[tuple[str, str], Expected]]) -> Table:

@@ -22,6 +22,7 @@ from leakref.spectrum import Spectrum, fourier
 from leakref.window import WINDOWS
 
 __all__ = [
+    "ALONG",
     "DECLINED",
     "FRACTION",
     "HALF_AGAIN",
@@ -45,6 +46,7 @@ __all__ = [
     "untapered",
     "vector",
     "verdict",
+    "with_the_crests",
     "worst",
 ]
 
@@ -52,6 +54,11 @@ FRACTION = 0.1
 """Of the smaller resolution (eq:dcdwk): how near answers must be that ought to be the same."""
 HALF_AGAIN = 1.5
 """Times the reference's own error in the same cube: what is always allowed, since a method may err in a sea."""
+CRESTS, DIRECTED = 0.35, 0.5
+"""How near a velocity is to that of the crests, of the way there from the true one, that is called so; and how much
+the waves of a sea go one way, as the length of the mean of their directions, that they have one."""
+ALONG = ": that is how the crests go, along the waves, and not the water"
+"""What is said of such a velocity."""
 DECLINED = 1 / 3
 """Of the wavenumbers of a question: a code that gives no velocity at more of them has not answered it."""
 NEVER = 1e6
@@ -190,6 +197,20 @@ def vector(values: FloatArray) -> str:
     return "(" + ", ".join(f"{v:.4g}" for v in np.asarray(values).ravel()) + ")"
 
 
+def with_the_crests(cube: Cube, found: FloatArray) -> bool:
+    """Whether a velocity (2,) is that of the crests of a sea rather than of its water: along its waves, about as fast
+    as they run. So it is where waves are taken for something that drifts.
+    """
+    waves = cube.components
+    k, energy = np.hypot(waves.kx, waves.ky), waves.amplitude**2 / np.sum(waves.amplitude**2)
+    way = np.array([np.sum(energy * waves.kx / k), np.sum(energy * waves.ky / k)])
+    if np.hypot(*way) < DIRECTED:  # a sea from all sides has no such velocity
+        return False
+    crests = np.sum(energy * waves.omega / k) * way / np.hypot(*way)
+    truth = cube.truth.mean(axis=0)
+    return bool(np.hypot(*(found - crests)) < CRESTS * np.hypot(*(crests - truth)))
+
+
 def verdict(over: FloatArray, cube: Cube, found: FloatArray, should: FloatArray, **figures: object) -> Outcome:
     """The worst of several wavenumbers: `over` (n,), NaN where there is nothing to judge; Unanswered if nowhere."""
     if np.isnan(over).all():
@@ -249,14 +270,17 @@ def in_the_mean(subject: Subject, cube: Cube, window: str, method: str, *, besid
         allowed = max(allowed, HALF_AGAIN * float(own[there].mean()))
         if beside and method not in (subject.alike or ()):
             allowed = max(allowed, float((cube.resolutions[1] + own)[there].mean()))
+    crests = mean > allowed and with_the_crests(cube, found[there].mean(axis=0))
     return Outcome(
         mean / allowed,
-        f"{mean:.3g} c0 off in the mean of {int(there.sum())} wavenumbers, should be below {allowed:.3g}",
+        f"{mean:.3g} c0 off in the mean of {int(there.sum())} wavenumbers, should be below {allowed:.3g}"
+        + ALONG.replace("that", "its velocity") * crests,
         figures={
             "wavenumbers": cube.wavenumbers.tolist(),
             "velocities": found.tolist(),
             "should_be": cube.truth.tolist(),
             "errors": error.tolist(),
+            "crests": crests,
         },
     )
 

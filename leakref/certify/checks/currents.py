@@ -21,7 +21,7 @@ from leakref.certify.checks.criteria import (
     unflagged,
     verdict,
 )
-from leakref.certify.checks.exact import MORE, OTHERS, TAPERED, WITHIN_A_TENTH, judge_exactly
+from leakref.certify.checks.exact import MORE, NOISY, OTHERS, TAPERED, WITHIN_A_TENTH, judge_exactly
 from leakref.certify.checks.inputs import BRIEF, GRIDS
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.subject.frames import Subject
@@ -116,7 +116,7 @@ def check_backwards(subject: Subject, case: Case) -> Outcome:
 @check(
     "currents",
     "eq:normSp",
-    WITHIN_A_TENTH + OTHERS + TAPERED + MORE,
+    WITHIN_A_TENTH + OTHERS + TAPERED + NOISY + MORE,
     [
         Case("following", {"grid": "even", "near": (0.1, 0.55)}),
         Case("crossing", {"grid": "odd", "near": (0.4, -0.1)}),

@@ -19,9 +19,11 @@ from leakref.certify.checks.exact import (
     EXACTLY,
     FINE,
     MORE,
+    NOISY,
     TAPERED,
     aligned_window,
     judge_exactly,
+    of_its_own,
     others_in_words,
 )
 from leakref.certify.checks.inputs import GRIDS, Cube, polar
@@ -147,7 +149,7 @@ def check_aligned(subject: Subject, case: Case) -> Outcome:
 @check(
     "depth",
     "sec:theory",
-    EXACT_OR_SCORE + others_in_words("a tenth of ") + TAPERED,
+    EXACT_OR_SCORE + others_in_words("a tenth of ") + TAPERED + NOISY,
     [
         _case("0.9", {"depth": 0.9, "current": (5, -5)}),
         _case("1.6", {"depth": 1.6, "current": (-5, 0)}, quick=False),
@@ -166,8 +168,11 @@ def check_ring(subject: Subject, case: Case) -> Outcome:
         grid, draw = inputs.ring(5, 1.4, 24, (30, 33, 100)), drawing()
         u, v = (grid.frequency_resolution / 1.4 * draw.turn @ np.array(case.given["current"])).tolist()
         bins = np.array(draw.bins((5, 0), (4, 3), (3, 4), (0, 5)))
-        cube = replace(inputs.on_bins(grid, bins, np.array([1.4]), UniformCurrent((u, v))), scale=scale)
-    return each_method(subject, lambda method: judge_exactly(subject, cube, method, others=FINE))
+        cube, twelve = (
+            replace(inputs.on_bins(grid, some, np.array([1.4]), UniformCurrent((u, v))), scale=scale)
+            for some in (bins, inputs.TWELVE)
+        )
+    return each_method(subject, lambda method: judge_exactly(subject, cube, method, others=FINE, noisy=twelve))
 
 
 @check(
@@ -203,6 +208,8 @@ def check_change(subject: Subject, case: Case) -> Outcome:
         words = f"handed {told} instead of {before} its answer changes by {vector(second - first)}, should change by "
         words += vector((other.truth - cube.truth)[0])
         unused = bool(np.hypot(*(second - first)) < UNCHANGED)
+        if both[0].over > 1 and not unused and of_its_own(subject, method):
+            raise Unanswered(Verdict.UNSUPPORTED, "is as far off in the water that the two waves were made in")
         words += ": the depth it is handed is not used" * unused
         return replace(outcome, message=f"{words}; {outcome.message}", figures={**outcome.figures, "unused": unused})
 

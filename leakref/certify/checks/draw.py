@@ -26,7 +26,7 @@ __all__ = ["DRAWN", "PUBLISHED", "Draw", "asked_fastest", "asked_seed", "drawing
 
 PUBLISHED = 1
 """The seed of the questions as they are written down."""
-DRAWN = ("signs", "recovery", "leakage", "currents")
+DRAWN = ("signs", "recovery", "leakage", "currents", "sea")
 """The families whose questions follow the seed; of the others a run asks what is published."""
 _TURNS = np.array(
     [

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from leakref._base import FloatArray
-from leakref.certify.checks.draw import asked_fastest, asked_seed, drawing
+from leakref.certify.checks.draw import PUBLISHED, asked_fastest, asked_seed, drawing
 from leakref.certify.subject.declaration import Declaration
 from leakref.certify.subject.frames import Subject
 from leakref.currents import Current, UniformCurrent, shift_in
@@ -99,14 +99,22 @@ def in_water(water: Water, fastest: float | None = None) -> Iterator[None]:
         asked_fastest.reset(other)
 
 
-def fitting(grid: Grid) -> Grid:
-    """The grid, or for a code that takes certain numbers of samples one as long with such."""
-    declared = _SHOWN.get()
-    if declared is None or (declared.multiple == 1 and declared.shape is None):
-        return grid
-    nx, ny, nt = declared.shape or tuple(-(-n // declared.multiple) * declared.multiple for n in grid.shape)
-    (dx, dy, dt), (n, m, k) = grid.spacing, grid.shape
-    return Grid((nx, ny, nt), (dx * n / nx, dy * m / ny, dt * k / nt))
+def fitting(grid: Grid, square: bool = False) -> Grid:
+    """The grid, or for a code that takes certain numbers of samples one as long with such.
+
+    With `square` pixels the step along y is that along x, and the grid as long along y as whole samples have it.
+    """
+    declared, (nx, ny, nt), (dx, dy, dt) = _SHOWN.get(), grid.shape, grid.spacing
+    multiple, shape = (1, None) if declared is None else (declared.multiple, declared.shape)
+    if multiple == 1 and shape is None:  # rows stay odd or even
+        return grid if not square else Grid((nx, ny + 2 * round((ny * dy / dx - ny) / 2), nt), (dx, dx, dt))
+    n, _, k = shape or tuple(-(-samples // multiple) * multiple for samples in grid.shape)
+    dx = dx * nx / n
+    if square:
+        rows = shape[1] if shape else max(1, round(ny * dy / dx / multiple)) * multiple
+        return Grid((n, rows, k), (dx, dx, dt * nt / k))
+    rows = shape[1] if shape else -(-ny // multiple) * multiple
+    return Grid((n, rows, k), (dx, dy * ny / rows, dt * nt / k))
 
 
 def still() -> Water:
@@ -115,11 +123,8 @@ def still() -> Water:
 
 
 def sampling(grid: Grid) -> Grid:
-    """The grid, or where pixels must be square one like it with dy = dx, its number of rows odd or even as before."""
-    if not _SQUARE.get():
-        return fitting(grid)
-    (nx, ny, nt), (dx, dy, dt) = grid.shape, grid.spacing
-    return Grid((nx, ny + 2 * round((ny * dy / dx - ny) / 2), nt), (dx, dx, dt))
+    """The grid, or where pixels must be square one like it with dy = dx, of samples that the code takes."""
+    return fitting(grid, _SQUARE.get())
 
 
 def drawn(grid: Grid) -> Grid:
@@ -133,6 +138,7 @@ class Cube:
 
     `water` is the one it is made in, that of the question where it is not given; it is shown at `scale` times the usual
     peak wavenumber.
+    `noise` is white, a part of the waves' standard deviation, the same samples every time.
     Two that show the same waves on the same grid, asked for the same wavenumbers, are equal: a search for a cure puts
     the same questions again and again, and what is right of them is worked out once.
     """
@@ -143,12 +149,13 @@ class Cube:
     current: Current
     water: Water = field(default_factory=still)
     scale: float = 1.0
+    noise: float = 0.0
 
     @cached_property
     def _shown(self) -> tuple[object, ...]:
         waves = self.components
         arrays = (waves.kx, waves.ky, waves.omega, waves.amplitude, waves.phase, self.wavenumbers)
-        return (self.grid, self.water, *(np.asarray(array, dtype=np.float64).tobytes() for array in arrays))
+        return (self.grid, self.water, self.noise, *(np.asarray(array, dtype=np.float64).tobytes() for array in arrays))
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Cube) and self._shown == other._shown
@@ -160,6 +167,9 @@ class Cube:
     def surface(self) -> FloatArray:
         """eta[x, y, t], read-only."""
         eta = synthesize(self.components, *(self.grid.samples(axis) for axis in range(3)))
+        if self.noise:
+            deviation = self.noise * np.sqrt(self.components.variance)
+            eta += deviation * np.random.default_rng(PUBLISHED).standard_normal(eta.shape)
         eta.flags.writeable = False
         return eta
 

@@ -21,7 +21,7 @@ from leakref.certify.checks.criteria import (
     unflagged,
 )
 from leakref.certify.checks.draw import drawing
-from leakref.certify.checks.exact import EXACT_OR_SCORE, FINE, TAPERED, deep_only, judge_exactly, others_in_words
+from leakref.certify.checks.exact import EXACT_OR_SCORE, FINE, NOISY, TAPERED, deep_only, judge_exactly, others_in_words
 from leakref.certify.checks.inputs import SEA, Cube, polar
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.checks.statistics import excess, share
@@ -123,7 +123,7 @@ def check_flicker(subject: Subject, case: Case) -> Outcome:
 @check(
     "leakage",
     "eq:normSp",
-    EXACT_OR_SCORE + others_in_words("a tenth of ") + TAPERED + " The exact velocity is zero.",
+    EXACT_OR_SCORE + others_in_words("a tenth of ") + TAPERED + NOISY + " The exact velocity is zero.",
     [Case("rings")],
 )
 def check_aligned(subject: Subject, case: Case) -> Outcome:

@@ -29,6 +29,7 @@ from leakref.certify.checks.exact import (
     EXACTLY,
     FINE,
     MORE,
+    NOISY,
     OTHERS,
     TAPERED,
     WITHIN_A_TENTH,
@@ -135,7 +136,7 @@ BESIDE = ((5, 0), (0, 5), (-5, 0), (0, -5), (6, 0), (0, 6))
 @check(
     "recovery",
     "eq:maskedSpec",
-    EXACT_OR_SCORE + others_in_words("a tenth of ") + TAPERED,
+    EXACT_OR_SCORE + others_in_words("a tenth of ") + TAPERED + NOISY,
     [
         Case("still", {"bins": ((5, 0), (4, 3), (3, 4), (0, 5)), "current": (0, 0)}),
         Case("beside-still", {"bins": BESIDE, "current": (0, 0), "periods": 21}),
@@ -159,13 +160,14 @@ def check_ring(subject: Subject, case: Case) -> Outcome:
     # under a window their lobes reach bins on the very edge of a shell, which may belong to it or not (decision D3)
     beside = 1.06 if "periods" in case.given and aligned_window(subject) != "box" else 1.0
     cube = inputs.on_bins(grid, np.array(draw.bins(*case.given["bins"])), np.array([1.4 * beside]), current)
-    return each_method(subject, lambda method: judge_exactly(subject, cube, method, others=FINE))
+    twelve = inputs.on_bins(grid, inputs.TWELVE, cube.wavenumbers, current)
+    return each_method(subject, lambda method: judge_exactly(subject, cube, method, others=FINE, noisy=twelve))
 
 
 @check(
     "recovery",
     "eq:maskedSpec",
-    WITHIN_A_TENTH + OTHERS + TAPERED,
+    WITHIN_A_TENTH + OTHERS + TAPERED + NOISY,
     [
         Case("alternating", {"radii": (4, 9, 14, 19), "shifts": ((4, -3), (-3, 4), (4, 3), (-4, -4))}),
         Case(

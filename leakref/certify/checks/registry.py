@@ -29,6 +29,7 @@ FAMILIES = {
     "depth": "Finite depth and surface tension, for codes that are told of them.",
     "scale": "Scale invariance: the same sea, larger or smaller, has the same current in units of c0.",
     "synthesis": "Energy and statistics of a synthesised surface.",
+    "sea": "Random seas from parameters: energy, spectrum, directions, motion and chance.",
     "conformance": "Conformance to the golden values, stage by stage.",
     "behaviour": "Behaviour: input untouched, deterministic, refuses what is not finite.",
 }
@@ -109,12 +110,21 @@ class Check:
         return replace(
             blank,
             verdict=Verdict.PASS if passed else Verdict.FAIL,
-            message=outcome.message,
+            message=outcome.message + ("" if passed else _unit(subject, self.family)),
             digits=outcome.digits,
             over=float(over),
             figures=dict(outcome.figures),
             calls=() if passed else tuple(subject.calls),
         )
+
+
+def _unit(subject: Subject, family: str) -> str:
+    """For a code in SI, what the unit of velocities in the words of a finding is; empty where they are in no one."""
+    asked = [call.asked for call in subject.calls if call.stage == "extract"]
+    scales = {call["scale"] for call in asked}
+    if subject.declaration.units != "si" or len(scales) != 1 or family in ("conformance", "behaviour"):
+        return ""
+    return f" (c0 is {subject.declaration.scales(scales.pop()).velocity:.3g} m/s here)"
 
 
 CHECKS: dict[str, Check] = {}

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from leakref._base import FloatArray
 from leakref.certify.checks import inputs
-from leakref.certify.checks.criteria import ask, each_method, like, tapered, vector
+from leakref.certify.checks.criteria import ALONG, ask, each_method, like, tapered, vector, with_the_crests
 from leakref.certify.checks.exact import aligned_window
 from leakref.certify.checks.inputs import polar
 from leakref.certify.checks.registry import Case, Outcome, check
 from leakref.certify.subject.frames import Subject
+from leakref.certify.verdict import Unanswered, Verdict
 from leakref.currents import UniformCurrent
 
 __all__ = ["check_aligned", "check_sea", "image"]
@@ -18,6 +21,10 @@ __all__ = ["check_aligned", "check_sea", "image"]
 SPEED = 0.3
 ON_BINS = 0.39
 """In c0: (2, 1) steps of what puts the waves on bins, or turned and mirrored so."""
+LIKE = 0.75
+"""Of the true speed: how near a velocity is to an image of the true one that it is called by that name."""
+RESOLVED = 2.0
+"""Velocity resolutions that a current must have for its sign to be seen; the usual ones have five and more."""
 IMAGES = {
     "negated": ((-1, 0), (0, -1)),
     "with x flipped": ((-1, 0), (0, 1)),
@@ -36,20 +43,42 @@ CASES = [
 
 
 def image(found: FloatArray, should: FloatArray) -> str:
-    """What `found` (2,) looks like if it is not `should` (2,) but nearer to one of its images; else empty."""
+    """What `found` (2,) looks like if it is not `should` (2,) but nearer to one of its images; else empty.
+
+    What is further than `LIKE` from all of them is just wrong: a speed four times the true one is no slip of sign.
+    """
     off = {name: float(np.hypot(*(np.asarray(matrix) @ should - found))) for name, matrix in IMAGES.items()}
     nearest = min(off, key=lambda name: off[name])
-    return nearest if off[nearest] < np.hypot(*(found - should)) else ""
+    near = min(float(np.hypot(*(found - should))), LIKE * float(np.hypot(*should)))
+    return nearest if off[nearest] < near else ""
 
 
 def _told(over: float, found: FloatArray, should: FloatArray) -> Outcome:
     looks = image(found, should) if over > 1 else ""
-    told = f"a current of {vector(should)} comes back {looks}, as" if looks else f"a current of {vector(should)} is"
+    told = (
+        f"a current of {vector(should)} comes back {looks}, as"
+        if looks
+        else f"a current of {vector(should)} comes back as"
+    )
     return Outcome(
         over,
         f"{told} {vector(found)}",
         figures={"velocity": found.tolist(), "should_be": should.tolist(), "image": looks},
     )
+
+
+def _plain(subject: Subject, cube: inputs.Cube) -> None:
+    """Raises Unanswered (unsupported) where the currents that a code is made for are too slow to tell a slip by: less
+    than `RESOLVED` of the smaller velocity resolutions.
+    """
+    least = RESOLVED * float(cube.resolutions[0].mean())
+    if np.hypot(*cube.truth[0]) < least:
+        limit, unit = subject.shown_as.waves["fastest"], subject.shown_as.scales().velocity
+        raise Unanswered(
+            Verdict.UNSUPPORTED,
+            f"is made for currents up to {limit:g} m/s, too slow to tell a slip of sign by in these waves, which takes "
+            f"{least * unit:.2g} m/s",
+        )
 
 
 def _ways(should: FloatArray) -> list[FloatArray]:
@@ -83,11 +112,15 @@ def check_sea(subject: Subject, case: Case) -> Outcome:
     current = UniformCurrent(polar(SPEED, case.given["direction"]))
     cube = inputs.sea(case.given["direction"] + 60, 180.0, current, realization=7)
     window = tapered(subject)
+    _plain(subject, cube)
 
     def judge(method: str) -> Outcome:
         found, there = ask(subject, cube, window, method)
         mean, truth = found[there].mean(axis=0), cube.truth[0]
         outcome = _turned_away(mean, truth)
+        if outcome.over > 1 and with_the_crests(cube, mean):
+            figures = {**outcome.figures, "crests": True}
+            outcome = replace(outcome, message=outcome.message + ALONG, figures=figures)
         if outcome.over > 1 and (least_squares := like(cube, window, method)) is not None:
             without = _turned_away(mean - least_squares[there].mean(axis=0) + truth, truth)
             return without if without.over <= 1 else outcome
@@ -110,6 +143,7 @@ def check_aligned(subject: Subject, case: Case) -> Outcome:
     does."""
     cube = inputs.many(inputs.EVEN.shape, polar(ON_BINS, case.given["direction"]))
     window = aligned_window(subject)
+    _plain(subject, cube)
 
     def judge(method: str) -> Outcome:
         found, there = ask(subject, cube, window, method)

@@ -15,15 +15,22 @@ from scipy.stats import binomtest
 from scipy.stats import t as student
 
 from leakref import fast
-from leakref.certify.checks import inputs
+from leakref.certify.checks import inputs, seameasures
+from leakref.certify.checks.draw import PUBLISHED
 from leakref.certify.checks.registry import CHECKS
+from leakref.certify.checks.sea import CASES, asked_of
 from leakref.certify.checks.statistics import FALSE_ALARMS, share
 from leakref.certify.runner import select
+from leakref.certify.subject.inprocess import InProcess
+from leakref.certify.subject.seas import Sea
+from leakref.chain import generator
 from leakref.currents import UniformCurrent
 
-__all__ = ["errors_of", "false_alarms", "rate_of", "seas"]
+__all__ = ["errors_of", "false_alarms", "rate_of", "sea_alarms", "seas", "seas_of"]
 
 RESAMPLINGS = 100_000
+SEA_RESAMPLINGS = 10_000
+_SEAS = 256  # realisations of each random sea
 _STORED = 100  # realisations of each sea of the statistical checks
 
 
@@ -56,6 +63,40 @@ def errors_of(name: str) -> dict[str, Any]:
             if clear.any():
                 found.append(float(np.hypot(*(answer.velocities - cube.truth)[clear].T).mean()))
     return {**errors, "resolution": float(cube.resolutions[0].mean())}
+
+
+def seas_of(name: str) -> dict[str, Any]:
+    """Of stored realisations of a random sea of the family `sea`: the scalars that are measured, each a list, and the
+    `bins`, real and imaginary parts; the sea is the one whose measures scatter most.
+    """
+    found = seameasures.realizations(_random_sea(name), range(10_000, 10_000 + _SEAS))
+    bins = [found.bins.real.tolist(), found.bins.imag.tolist()]
+    return {"scalars": {key: values.tolist() for key, values in found.scalars.items()}, "bins": bins}
+
+
+def _random_sea(name: str) -> Sea:
+    subject = InProcess(generator)
+    with inputs.asked(subject, PUBLISHED):
+        return asked_of(subject, next(case for case in CASES if case.id == name))
+
+
+def sea_alarms(stored: Mapping[str, Mapping[str, Any]], resamplings: int = SEA_RESAMPLINGS) -> dict[str, Any]:
+    """How often the statements about means and phases of random seas reject a right generator: counted, in draws of
+    `seameasures.COUNT` realisations of each sea from those `stored` (`seas_of`), as the checks see them.
+    """
+    rng, alarmed = np.random.default_rng(0), np.zeros(resamplings, dtype=bool)
+    for name, one in stored.items():
+        other = seameasures.own(_random_sea(name))
+        scalars, bins = one["scalars"], np.array(one["bins"][0]) + 1j * np.array(one["bins"][1])
+        whole = {key: np.array(values) for key, values in scalars.items()}
+        for n in range(resamplings):
+            some = rng.choice(_SEAS, seameasures.COUNT, replace=False)
+            found = seameasures.Measured(
+                {key: values[some] for key, values in whole.items()}, bins[some], np.empty((0, 0))
+            )
+            over = [seameasures.apart(found, other, key) for key in whole]
+            alarmed[n] |= max(*over, seameasures.added(found.bins)[0]) > 1
+    return {"resamplings": resamplings, "nominal": FALSE_ALARMS, **rate_of(int(alarmed.sum()), resamplings)}
 
 
 def false_alarms(errors: Mapping[str, Mapping[str, Any]], resamplings: int = RESAMPLINGS) -> dict[str, Any]:

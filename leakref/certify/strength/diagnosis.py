@@ -95,9 +95,10 @@ def explain(
     """
     given = {"seed": certificate.seed, "golden": certificate.set_number}
     wrong, declared = certificate.wrong, certificate.declaration
-    said = diagnose(wrong, declared, **given, alike=certificate.alike, deep=deep, after_each=after_each)
+    of_chain = [f for f in wrong if f.family != "sea"]  # of random seas the reference makes others, which tell nothing
+    said = diagnose(of_chain, declared, **given, alike=certificate.alike, deep=deep, after_each=after_each)
     repairs, remark = _cured(certificate, session, after_each) if session is not None else ([], "")
-    seen = symptoms(certificate.findings, declared) + other_maxima(wrong, declared, certificate.methods, **given)
+    seen = symptoms(certificate.findings, declared) + other_maxima(of_chain, declared, certificate.methods, **given)
     exact = [one for one in said.hypotheses if one.digits is None or one.digits >= ENOUGH]
     rough = [one for one in said.hypotheses if one not in exact and not repairs]
     if exact or repairs:  # which say why it is where it is
@@ -276,13 +277,14 @@ def _attempts(
 ) -> Iterator[tuple[str, Sequence[Finding], Iterable[Names]]]:
     """What to compare with which hypotheses, one after the other, and how to say where it was compared."""
     told = GIVEN in (declared.get("water") or {}).values()  # else no depth is handed over that could be mistaken
-    singles: list[Names] = [(name,) for name, fault in faults.FAULTS.items() if told or fault.stage != "water"]
+    chain = {name: fault for name, fault in faults.FAULTS.items() if fault.family != "sea"}
+    singles: list[Names] = [(name,) for name, fault in chain.items() if told or fault.stage != "water"]
     yield "", findings, singles
     if deep:
         yield (
             "",
             findings,
-            (pair for pair in combinations(faults.FAULTS, 2) if replays.implementation(pair) is not None),
+            (pair for pair in combinations(chain, 2) if replays.implementation(pair) is not None),
         )
     if any(f.id.startswith(TWICE) for f in findings):  # its numbers are no evidence
         yield "", [f for f in findings if f.family == "behaviour"], singles

@@ -9,7 +9,7 @@ import numpy as np
 
 from leakref._base import FloatArray
 from leakref.altered import Change
-from leakref.chain import Reference
+from leakref.chain import Generator, Reference
 
 __all__ = [
     "CALL",
@@ -39,7 +39,7 @@ __all__ = [
     "unchecked",
 ]
 
-STAGES = ("frame", "units", "synthesis", "window", "spectrum", "shell", "water", "nsp", "ls", "behaviour")
+STAGES = ("frame", "units", "synthesis", "window", "spectrum", "shell", "water", "nsp", "ls", "behaviour", "sea")
 """Where in the chain a fault sits, in the order in which the faults are listed."""
 
 
@@ -56,7 +56,7 @@ class Fault:
     family: str
     words: str
     changes: tuple[Change, ...] = ()
-    instead: type[Reference] | None = None
+    instead: type[Reference] | type[Generator] | None = None
     killing_input: str = ""
 
     @property

@@ -43,6 +43,7 @@ from leakref.certify.strength.fault import (
     unchecked,
 )
 from leakref.certify.strength.killing import KILLING_INPUT_OF
+from leakref.certify.strength.seafaults import SEA_FAULTS
 from leakref.certify.subject.named import Named
 
 __all__ = ["FAULTS", "implementation"]
@@ -375,14 +376,15 @@ _BEHAVIOUR = (
           (answer("np.round(FOUND, 1)"),)),
 )
 FAULTS: dict[str, Fault] = {fault.id: replace(fault, killing_input=KILLING_INPUT_OF.get(fault.id, "")) for fault in (
-    *_FRAME, *_UNITS, *_SYNTHESIS, *_WINDOW, *_SPECTRUM, *_SHELL, *_WATER, *_NSP, *_LS, *_BEHAVIOUR)}
+    *_FRAME, *_UNITS, *_SYNTHESIS, *_WINDOW, *_SPECTRUM, *_SHELL, *_WATER, *_NSP, *_LS, *_BEHAVIOUR, *SEA_FAULTS)}
 """Every fault by id, stage by stage."""
 
 
 def implementation(identifier: str) -> Any:
-    """The reference with that fault, offering the four stages; a new one each time. Raises LeakrefError."""
+    """The reference with that fault, offering its stages; a new one each time. Raises LeakrefError."""
     if identifier not in FAULTS:
         raise LeakrefError("faults", f"no fault is called {identifier!r}", "`leakref strength --json` lists them all")
     fault = FAULTS[identifier]
-    inner = fault.instead() if fault.instead else altered(fault.changes).chain.Reference()
+    made = "Generator" if fault.family == "sea" else "Reference"
+    inner = fault.instead() if fault.instead else getattr(altered(fault.changes).chain, made)()
     return Named(inner, f"fault:{identifier}", null=identifier != "nan-as-number")

@@ -8,6 +8,17 @@ from __future__ import annotations
 __all__ = ["KILLING_INPUT_OF"]
 
 _FAULTS_BY_FINDING = {
+    "sea.energy[broad]": "sea-two-thirds-energy sea-height-for-deviation sea-one-sided",
+    "sea.spectrum[peaked]": "sea-peakedness-ignored sea-peak-in-hertz sea-jacobian-missing",
+    "sea.directions[broad]": "sea-from-for-to sea-exchanged-axes sea-degrees-for-radians",
+    "sea.spread[broad]": "sea-twice-the-width sea-half-the-width",
+    "sea.backwards[broad]": "sea-both-ways",
+    "sea.motion[broad]": "sea-current-sign sea-current-left-out",
+    "sea.motion[peaked]": "sea-depth-ignored",
+    "sea.phases[broad]": "sea-half-phases sea-one-phase",
+    "sea.realizations[broad]": "sea-one-seed sea-few-seeds",
+    "sea.amplitudes[broad]": "sea-amplitudes-drawn",
+    "sea.repeats[twice]": "sea-unrepeatable",
     "recovery.pair[even-1]": (
         "negated-current flipped-x flipped-y exchanged-axes quarter-turn rows-downwards reversed-time "
         "exchanged-cube absolute-value no-cross-component exchanged-spacing square-pixels hertz-for-radians "

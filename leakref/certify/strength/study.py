@@ -23,9 +23,10 @@ from leakref.certify.checks.criteria import NEVER
 from leakref.certify.checks.draw import DRAWN, PUBLISHED
 from leakref.certify.checks.identity import identify
 from leakref.certify.checks.registry import FAMILIES, Case, Check
+from leakref.certify.checks.sea import CASES
 from leakref.certify.runner import select
 from leakref.certify.strength import faults, variants
-from leakref.certify.strength.alarms import errors_of, false_alarms, rate_of, seas
+from leakref.certify.strength.alarms import errors_of, false_alarms, rate_of, sea_alarms, seas, seas_of
 from leakref.certify.strength.fault import Fault
 from leakref.certify.strength.faults import FAULTS
 from leakref.certify.strength.tables import pretty, show
@@ -35,12 +36,15 @@ from leakref.certify.verdict import WRONG, Finding, Verdict
 from leakref.golden.beside import noted
 from leakref.golden.sets import locate
 
-__all__ = ["DISTINCT", "SEEDS", "Job", "classes", "compute", "jobs", "run", "study"]
+__all__ = ["BY_CHANCE", "DISTINCT", "SEEDS", "Job", "classes", "compute", "jobs", "run", "study"]
 
 SEEDS = 1000
 """Seeds of the full study other than that of the published questions, shared among the variants."""
 DISTINCT = 10.0
 """Effect over tolerance that every fault must have on its killing input."""
+BY_CHANCE = 1.5
+"""The same where the tolerance is what chance does to a mean of some realisations (family `sea`), which more of them
+would make smaller, at a cost."""
 _COUNTED = "leakage.bias"
 _SEEN = (*DRAWN, "metamorphic", "shear", "scale")  # families that look at seas
 
@@ -49,7 +53,7 @@ _SEEN = (*DRAWN, "metamorphic", "shear", "scale")  # families that look at seas
 class Job:
     """A part of the study for one worker: `kind` is fault, variant or null; `seed` None are the published questions.
 
-    - `id`: of the fault, the variant, or the sea of the null hypothesis.
+    - `id`: of the fault, the variant, or the sea of the null hypothesis, a random one where `kind` is sea.
     - `full`: for a fault, whether all quick checks are asked and not only those meant for it.
     """
 
@@ -78,6 +82,7 @@ def jobs(*, full: bool = False) -> list[Job]:
     seeds = range(PUBLISHED + 1, PUBLISHED + 1 + SEEDS) if full else ()
     shared = [Job("variant", list(VARIANTS)[seed % len(VARIANTS)], seed) for seed in seeds]
     nulls = [Job("null", name) for name in seas()] if full else []
+    nulls += [Job("sea", case.id) for case in CASES] if full else []
     return [
         *(Job("fault", name, full=full) for name in FAULTS),
         *(Job("variant", name) for name in VARIANTS),
@@ -100,9 +105,9 @@ def compute(job: Job) -> dict[str, Any]:
     with runs.one_thread():
         if job.kind == "fault":
             return fault_record(FAULTS[job.id], full=job.full)
-        return (
-            variant_record(job.id, job.seed) if job.kind == "variant" else {"id": job.id, "errors": errors_of(job.id)}
-        )
+        if job.kind == "variant":
+            return variant_record(job.id, job.seed)
+        return {"id": job.id, "errors": (seas_of if job.kind == "sea" else errors_of)(job.id)}
 
 
 def fault_record(
@@ -270,8 +275,9 @@ def study(
         if work is not None:
             kept.keep_record(job.path(work), job.about, record)
         after_each()
-    by_kind = {kind: [done[job] for job in todo if job.kind == kind] for kind in ("fault", "variant", "null")}
-    return _summary(by_kind["fault"], by_kind["variant"], {r["id"]: r["errors"] for r in by_kind["null"]}, full=full)
+    by_kind = {kind: [done[job] for job in todo if job.kind == kind] for kind in ("fault", "variant", "null", "sea")}
+    errors, random = ({r["id"]: r["errors"] for r in by_kind[kind]} for kind in ("null", "sea"))
+    return _summary(by_kind["fault"], by_kind["variant"], errors, random, full=full)
 
 
 def _computed(waiting: Sequence[Job], executor: Executor | None) -> Iterator[tuple[Job, dict[str, Any]]]:
@@ -284,7 +290,12 @@ def _computed(waiting: Sequence[Job], executor: Executor | None) -> Iterator[tup
 
 
 def _summary(
-    killed: Sequence[Mapping[str, Any]], trials: Sequence[Mapping[str, Any]], errors: Mapping[str, Any], *, full: bool
+    killed: Sequence[Mapping[str, Any]],
+    trials: Sequence[Mapping[str, Any]],
+    errors: Mapping[str, Any],
+    random: Mapping[str, Any],
+    *,
+    full: bool,
 ) -> dict[str, Any]:
     mutants = [
         {
@@ -310,6 +321,7 @@ def _summary(
     record: dict[str, Any] = {"full": full, "faults": mutants, "variants": judged}
     if full:
         record |= {"families": _families(killed), "classes": classes(killed), "false_alarms": false_alarms(errors)}
+        record["sea_alarms"] = sea_alarms(random)
         record["rejections"] = rate_of(sum(v["rejected"] for v in judged), sum(v["runs"] for v in judged))
     return record | {"problems": problems(record)}
 
@@ -327,7 +339,7 @@ def problems(record: Mapping[str, Any]) -> list[str]:
         others = sorted(set(r["kills"]) - {"conformance"})
         if r["killed_by"] is None:
             said.append(f"the fault {r['id']} survives the checks of {r['family']}")
-        elif effect is None or effect < DISTINCT:
+        elif effect is None or effect < (BY_CHANCE if r["family"] == "sea" else DISTINCT):
             on = r["witness"] or "no killing input"
             said.append(f"the effect of {r['id']} on {on} is {effect} times the tolerance")
         if r["family"] == "conformance" and others:
@@ -342,6 +354,9 @@ def problems(record: Mapping[str, Any]) -> list[str]:
     alarms = record.get("false_alarms")
     if alarms and alarms["at_margin"]["interval"][0] > alarms["nominal"]:
         said.append(f"false alarms are at {alarms['at_margin']['rate']:.1e}, above {alarms['nominal']}")
+    alarms = record.get("sea_alarms")
+    if alarms and alarms["interval"][0] > alarms["nominal"]:
+        said.append(f"false alarms of random seas are at {alarms['rate']:.1e}, above {alarms['nominal']}")
     return said
 
 

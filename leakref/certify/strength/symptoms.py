@@ -45,9 +45,11 @@ def symptoms(findings: Sequence[Finding], declared: Mapping[str, Any]) -> list[H
         *_behaviours(failed),
         *_depth(failed),
         *_energy(failed),
+        *_crests(failed),
+        *_seas(failed),
         *_signs_lost(failed),
         *(list(_stale(failed)) or _repeated(failed, declared)),  # which repeats values because it repeats cubes
-        *_scales(findings),
+        *_scales(findings, Declaration.read(declared)),
     ]
     return list({(one.fault, one.words): one for one in found}.values())
 
@@ -93,6 +95,28 @@ def _depth(failed: Sequence[Finding]) -> Iterator[Hypothesis]:
         if len(found) >= enough:
             depths = Counter(part["right_in"] for part in found if "right_in" in part).most_common(1)
             yield said(identifier, words + "".join(f": it answers as in {depth}" for depth, _ in depths))
+
+
+def _seas(failed: Sequence[Finding]) -> Iterator[Hypothesis]:
+    """What is wrong with random seas, the worst of each kind: the findings are in the words of the mistake."""
+    found = {}
+    for f in sorted((f for f in failed if f.family == "sea" and f.over is not None), key=lambda f: f.over or 0.0):
+        found[f.id.partition("[")[0]] = f.message
+    for check, message in found.items():
+        yield said(check, message)
+
+
+def _crests(failed: Sequence[Finding]) -> Iterator[Hypothesis]:
+    """Velocities of the waves in place of that of the water."""
+    seas = [part for f in failed for part in parts(f.figures) if "crests" in part or "errors" in part]
+    along = sum(bool(part.get("crests")) for part in seas)
+    if along:
+        yield said(
+            "crests",
+            f"in {along} of {len(seas)} seas that fell short its velocity is that of the crests, not of the water: it "
+            "takes waves for something that drifts, as image velocimetry does, or a branch for floating particles "
+            "beside that of the waves",
+        )
 
 
 def _unanswered(failed: Sequence[Finding]) -> Iterator[Hypothesis]:
@@ -157,7 +181,7 @@ def _repeated(failed: Sequence[Finding], declared: Mapping[str, Any]) -> Iterato
     the last digit in cube after cube. A right code does so only where the currents themselves do (`_IN_STEPS`).
     """
     subject, unit = (
-        Subject(Declaration(units=declared["units"])),
+        Subject(Declaration.read(declared)),
         "m/s" if declared["units"] == "si" else "in its units",
     )
     rows, asked = [np.empty((0, 2))], [np.empty(0)]
@@ -237,16 +261,21 @@ def _step(size: FloatArray) -> float | None:
 # ---------------------------------------------------------------- scales
 
 
-def _scales(findings: Sequence[Finding]) -> Iterator[Hypothesis]:
-    """Right at the usual scale and wrong at others.
+def _scales(findings: Sequence[Finding], declared: Declaration) -> Iterator[Hypothesis]:
+    """Right at the usual scale and wrong at others: those of everybody, or the ends of what it is made for.
 
     A width, a range or a limit in rad/s, rad/m or m/s suits the waves that it was chosen in. Which of them it is cannot
     be told from longer waves or shorter ones alone: the words say what it may be.
     """
     judged = [f for f in findings if f.family in ("signs", "recovery", "currents", "scale")]
     wrong = [f for f in judged if f.verdict in WRONG]
-    other = {"sixteenth": "16 times longer", "quarter": "4 times longer", "4": "4 times shorter",
-             "16": "16 times shorter"}  # fmt: skip
+    nominal = {"sixteenth": 1 / 16, "quarter": 1 / 4, "4": 4.0, "16": 16.0}
+    other = {
+        name: f"{2 * np.pi * declared.scales(declared.scale(scale)).length:.3g} m long"
+        if declared.waves
+        else f"{max(scale, 1 / scale):g} times {'longer' if scale < 1 else 'shorter'}"
+        for name, scale in nominal.items()
+    }
     at = {f.id.partition("[")[2].rstrip("]").removesuffix("-untapered") for f in wrong if f.id.startswith("scale.peak")}
     if not at or any(f.family != "scale" for f in wrong) or not any(f.family == "signs" for f in judged):
         return

@@ -68,6 +68,12 @@ def show(record: Mapping[str, Any]) -> None:
             f"false alarms in a whole run: {rate['rate']:.2e} (95 %: {rate['interval'][0]:.1e} to "
             f"{rate['interval'][1]:.1e}) of {alarms['resamplings']} resamplings"
         )
+    if alarms := record.get("sea_alarms"):
+        low, high = alarms["interval"]
+        print_(
+            f"false alarms about random seas: {alarms['rate']:.2e} (95 %: {low:.1e} to {high:.1e}) of "
+            f"{alarms['resamplings']} resamplings"
+        )
     if rejections := record.get("rejections"):
         low, high = rejections["interval"]
         runs = sum(v["runs"] for v in record["variants"])

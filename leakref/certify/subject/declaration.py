@@ -33,7 +33,7 @@ _OF_WATER = {
 }  # in which any code's are: the ocean is 11 km deep, and 0.07 is the surface tension of water in N/m
 _SHALLOWEST = 0.7  # k0 h: a code with one depth is shown shorter waves rather than such as feel the bottom more
 
-STAGES = ("window", "synthesize", "spectrum", "extract")
+STAGES = ("sea", "window", "synthesize", "spectrum", "extract")
 """In the order of the chain."""
 _LONGEST = 120  # characters of a word
 _DEFAULT = {"name": "unnamed", "version": "", "units": "scaled", "axes": "xyt", "y": "up", "direction": "to"}
@@ -45,7 +45,8 @@ class Declaration:
 
     `fixed` are parameters that it cannot be told: `wavenumbers` if it has its own, `dy` if it knows square pixels only,
     `gravity` if it has one. `cube` may hold `smallest`, the samples along x, y and t below which it takes none,
-    `multiple`, of which all three must be multiples, or `shape`, the only ones it takes. `waves` may hold
+    `multiple`, of which all three must be multiples, or `shape`, the only ones it takes, and `duration`, the time below
+    which it takes none. `waves` may hold
     `peak_wavelength`, the shortest and the longest in m that it is made for, and `fastest`, in m/s (SI only). `water`
     may hold `depth` and `surface_tension` (over density): `given` if they are handed over with each run, or the number
     that stands in the code, in its units; without them it knows deep water, and no tension.
@@ -56,7 +57,7 @@ class Declaration:
     - `direction`: `to` where a current is given by where it goes, `from` where by where it comes from.
     - `format`: of the arrays exchanged with a program, `npz`, `mat` or `raw`.
     - `can`: for each stage offered what of it: `methods`, `windows` and `resolves` of `extract`, `windows` of
-      `spectrum`, `names` of `window`. What is left out has a default.
+      `spectrum`, `names` of `window`, `amplitudes` of `sea`. What is left out has a default.
     """
 
     name: str = "unnamed"
@@ -110,6 +111,8 @@ class Declaration:
                     )
         if (resolves := can.get("extract", {}).get("resolves", "band")) not in ("wavenumber", "band"):
             raise Unanswered(Verdict.ERROR, f"declares resolves = {resolves!r}, should be wavenumber or band")
+        if (amplitudes := can.get("sea", {}).get("amplitudes")) not in (None, "fixed", "random"):
+            raise Unanswered(Verdict.ERROR, f"declares amplitudes = {amplitudes!r}, should be fixed or random")
         fixed = known["fixed"]
         if not _names(fixed):
             raise Unanswered(
@@ -223,6 +226,11 @@ class Declaration:
         return ""
 
     @property
+    def least_duration(self) -> float:
+        """Of a record that it takes, in its own unit of time; 0 if it takes any."""
+        return float(self.cube.get("duration", 0.0))
+
+    @property
     def multiple(self) -> int:
         """Of which the numbers of samples must be multiples."""
         return int(self.cube.get("multiple", 1))
@@ -254,7 +262,9 @@ class Declaration:
             "y": self.y,
             "direction": self.direction,
             "fixed": list(self.fixed),
-            "cube": {name: value if name == "multiple" else list(value) for name, value in self.cube.items()},
+            "cube": {
+                name: list(value) if name in ("smallest", "shape") else value for name, value in self.cube.items()
+            },
             "waves": dict(self.waves),
             "water": dict(self.water),
             "can": {stage: dict(what) for stage, what in self.can.items()},
@@ -281,11 +291,14 @@ def _cube(cube: Any) -> dict[str, Any]:
     if good and cube.get("multiple") is not None:
         good = _sizes([cube["multiple"]] * 3)
         found["multiple"] = cube["multiple"]
+    if good and cube.get("duration") is not None:
+        good = _above_zero(cube["duration"])
+        found["duration"] = cube["duration"]
     if not good:
         raise Unanswered(
             Verdict.ERROR,
             f"declares cube = {cube!r}, should be an object with smallest = [nx, ny, nt] or shape = [nx, ny, nt], "
-            "three whole numbers above 0, or multiple = n",
+            "three whole numbers above 0, or multiple = n, and duration, a time above 0",
         )
     return found
 

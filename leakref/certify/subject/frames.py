@@ -2,7 +2,7 @@
 
 What an implementation declares of itself is kept in a `Declaration`; a `Subject` turns arrays into the declared frame
 and units, has them worked on, in this process or in another, and turns answers back. A check never sees a frame. The
-four stages are those of the protocol: `window`, `synthesize`, `spectrum` and `extract`.
+stages are those of the protocol: `sea`, `window`, `synthesize`, `spectrum` and `extract`.
 """
 
 from __future__ import annotations
@@ -17,8 +17,10 @@ import numpy.typing as npt
 from leakref._base import FloatArray
 from leakref.certify.subject.answers import Velocities, matched, part, refuse_bad, rows
 from leakref.certify.subject.declaration import GRAVITY, PEAK, WATER, Declaration
+from leakref.certify.subject.seas import Sea
 from leakref.certify.verdict import Unanswered, Verdict
 from leakref.dispersion import Water
+from leakref.scope import waves_words
 from leakref.sea import Components
 from leakref.window import WINDOWS
 from leakref.window import window as named_window
@@ -76,6 +78,8 @@ class Subject:
         """Those in which it has answered, scaled, and at which scale."""
         self.asked_as: Declaration | None = None
         """Whose questions it is asked, if not its own: those of a code which the reference is compared with."""
+        self.seas: dict[Any, Any] = {}
+        """What was measured in the random seas that it has made, by the sea: several checks look at the same ones."""
         self.handled = 0.0
         """Samples of all cubes that it was asked for, times wavenumbers: what the judging cost, on any machine."""
 
@@ -169,10 +173,15 @@ class Subject:
             raise Unanswered(Verdict.UNSUPPORTED, "knows square pixels only, and dy is not dx here")
         length, time, gravity = self.units(scale, gravity)
         steps = [spacing[0] * length, spacing[1] * length, spacing[2] * time]
+        lasts, least = surface.shape[2] * steps[2], self.declaration.least_duration
+        if lasts < least * (1 - 1e-9):
+            unit = " s" if self.declaration.units == "si" else " / omega0"
+            words = f"takes no record shorter than {least:g}{unit}; this has {lasts:.3g}{unit}"
+            raise Unanswered(Verdict.UNSUPPORTED, words)
         axes = {name: np.arange(n) * step for name, n, step in zip("xyt", surface.shape, steps, strict=True)}
         return {"eta": self.framed(surface * length), **axes}, steps, gravity
 
-    # ------------------------------------------------------------ the four stages
+    # ------------------------------------------------------------ the stages
 
     def extract(
         self,
@@ -294,6 +303,26 @@ class Subject:
         eta = np.asarray(eta[:, ::-1] if flip else eta, dtype=np.float64) / length
         return self._kept("synthesize", {"waves": components.kx.size}, eta)
 
+    def sea(self, asked: Sea, seed: int) -> FloatArray:
+        """A random sea (nx, ny, nt), in units of 1 / k0. Raises Unanswered, also for what is not finite."""
+        self._require("sea")
+        if against := self.declaration.takes(asked.grid.shape):
+            raise Unanswered(Verdict.UNSUPPORTED, f"{against}; this has {asked.grid.shape}")
+        told = self._water(asked.water, 1.0, 1.0)
+        parameters = {**asked.parameters(self.declaration, seed), **told}
+        found = np.asarray(part(self._work("sea", {}, parameters), "eta"))
+        shape = tuple(asked.grid.shape["xyt".index(axis)] for axis in self.declaration.axes)
+        if found.shape != shape or found.dtype.kind not in "fiu":
+            raise Unanswered(Verdict.FAIL, f"eta has shape {found.shape} of {found.dtype}, should be real, {shape}")
+        if not np.isfinite(found).all():
+            raise Unanswered(Verdict.FAIL, "eta holds values that are not finite")
+        eta = self.unframed(found)
+        eta = eta[:, ::-1] if self.declaration.y == "down" else eta
+        self.waters.add((asked.water, 1.0))
+        self.fastest = max(self.fastest, float(np.hypot(*asked.current)))
+        self.handled += eta.size
+        return np.asarray(eta, dtype=np.float64) / self.units(1.0)[0]
+
     def window(self, name: str, size: int) -> FloatArray:
         """Samples of a window, (size,).
 
@@ -321,7 +350,7 @@ def waves_in_words(declaration: Declaration) -> str:
     """Those that it is made for; empty if it does not say."""
     if "peak_wavelength" not in declaration.waves:
         return ""
-    return "waves of {:.3g} to {:.3g} m".format(*declaration.waves["peak_wavelength"])
+    return waves_words(*declaration.waves["peak_wavelength"])
 
 
 def _long(declaration: Declaration, scale: float) -> str:

@@ -18,6 +18,7 @@ import numpy as np
 from leakref._base import ComplexArray, FloatArray
 from leakref.certify.subject.declaration import GIVEN, STAGES, WATER, Declaration
 from leakref.certify.subject.frames import Subject
+from leakref.certify.subject.seas import FORMS
 from leakref.certify.verdict import Refused, Unanswered, Verdict
 from leakref.sea import Components
 
@@ -118,6 +119,11 @@ def describe(given: dict[str, Any], calls: Mapping[str, Callable[..., Any]], nam
         water = given.get("water") or {}
         if isinstance(water, Mapping):
             given["water"] = {key: GIVEN for key in WATER if accepts(calls["extract"], key, by_name=True)} | dict(water)
+    if "sea" in can:
+        fixed += [key for key, forms in FORMS.items() if not any(accepts(calls["sea"], one) for one in forms)]
+        if "extract" not in can:
+            told = {key: GIVEN for key in WATER if accepts(calls["sea"], key, by_name=True)}
+            given["water"] = told | dict(given.get("water") or {})
     declared = Declaration.read({"name": name, **given, "fixed": fixed, "can": can})
     for key in declared.told:
         if "extract" in can and not accepts(calls["extract"], key):
@@ -168,6 +174,9 @@ def call(
     p = parameters
     if stage == "window":
         return {"w": function(p["name"], p["size"])}
+    if stage == "sea":
+        forms = (*(one for some in FORMS.values() for one in some), "gravity", *(key for key in WATER if key in p))
+        return {"eta": function(tuple(p["shape"]), (p["dx"], p["dy"], p["dt"]), **taken(**{k: p[k] for k in forms}))}
     if stage == "synthesize":
         waves = Components(*(np.asarray(arrays[name]).ravel() for name in ("kx", "ky", "omega", "amplitude", "phase")))
         return {"eta": function(waves, *(np.asarray(arrays[name]).ravel() for name in "xyt"))}

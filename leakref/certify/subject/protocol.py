@@ -28,6 +28,7 @@ from leakref.certify.subject.child import Breach, Child
 from leakref.certify.subject.declaration import Declaration
 from leakref.certify.subject.exchange import Exchange
 from leakref.certify.subject.frames import Subject
+from leakref.certify.subject.seas import Sea
 from leakref.certify.verdict import Refused, Unanswered, Verdict, printable
 from leakref.ending import last_resorts
 from leakref.grid import Grid
@@ -42,7 +43,7 @@ FORMATS = ("mat", "npz", "raw")
 """Of arrays in files, as they are offered to the program, which chooses one in its declaration."""
 STRIKES = 3
 """Breaches in a row after which nothing more is asked."""
-_OUTPUTS = {"spectrum": "S", "synthesize": "eta", "window": "w"}
+_OUTPUTS = {"sea": "eta", "spectrum": "S", "synthesize": "eta", "window": "w"}
 
 
 class HarnessBroken(LeakrefError):
@@ -230,6 +231,8 @@ class ProcessSubject(Subject):
         n = declared.multiple
         least = declared.shape or [-(-max(p) // n) * n for p in zip((16, 12, 10), declared.smallest, strict=True)]
         nx, ny, nt = least
+        if declared.shape is None:
+            nt = max(nt, -(-int(np.ceil(declared.least_duration / (0.8 * declared.scales().time))) // n) * n)
         grid = Grid((nx, ny, nt), (0.9, 0.9 if "dy" in self.declaration.untold else 1.1, 0.8))
         waves, _ = aligned_waves(grid, [(3, 1, 2), (1, 2, 2)], gravity=1.0)
         axes = [grid.samples(axis) for axis in range(3)]
@@ -241,6 +244,8 @@ class ProcessSubject(Subject):
                 self.spectrum(synthesize(waves, *axes), grid.spacing, _first(declared, "spectrum", "windows"))
             elif "synthesize" in declared.can:
                 self.synthesize(waves, *axes)
+            elif "sea" in declared.can:
+                self.sea(Sea(grid, 30.0, 120.0, 3.3, 1e-3, (0.0, 0.0), self.still()), 1)
             else:
                 self.window(_first(declared, "window", "names"), 16)
         except Unanswered as nothing:
@@ -336,6 +341,8 @@ class ProcessSubject(Subject):
             return tuple(np.shape(arrays["eta"]))
         if stage == "synthesize":
             return tuple(np.size(arrays[axis]) for axis in self.declaration.axes)
+        if stage == "sea":
+            return tuple(parameters["shape"]["xyt".index(axis)] for axis in self.declaration.axes)
         return (int(parameters["size"]),) if stage == "window" else ()
 
     def _blamed(self, nothing: Unanswered) -> str:
