@@ -144,7 +144,7 @@ def altered(changes: tuple[Change, ...], *, fast: bool = False) -> Any:
     for part, needs in _compiled().items() if fast else ():
         if not modules & needs:
             sys.modules[f"{name}.{part}"] = importlib.import_module(f"{_PACKAGE}.{part}")
-    for part in _alterable("fast", "cases") if fast else _alterable("chain"):
+    for part in _alterable("fast", "cases") if fast else _alterable("chain", "generator"):
         module = importlib.import_module(f"{name}.{part}")
         above, _, own = f"{name}.{part}".rpartition(".")
         setattr(sys.modules[above], own, module)

@@ -12,15 +12,13 @@ from leakref import leakage, methods
 from leakref._base import ComplexArray, FloatArray, LeakrefError, finite, levelled, positive
 from leakref.dispersion import Water, law
 from leakref.grid import Grid
-from leakref.sea import Components, random_sea
+from leakref.sea import Components
 from leakref.shell import Extraction
 from leakref.spectrum import Spectrum, fourier
 from leakref.synthesis import synthesize
 from leakref.window import WINDOWS, window
 
-__all__ = [
-    "Generator", "Reference", "analyse", "extract", "generator", "reference", "shell_wavenumbers", "transform",
-]  # fmt: skip
+__all__ = ["Reference", "analyse", "extract", "reference", "shell_wavenumbers", "transform"]
 
 
 def shell_wavenumbers(grid: Grid, smallest: float, largest: float) -> FloatArray:
@@ -125,26 +123,3 @@ class Reference:
 
 reference = Reference()
 """The built-in implementation, `leakref.chain.reference`."""
-
-
-class Generator:
-    """leakref's own random seas as something that can be judged: the stage `sea` and no other."""
-
-    def describe(self) -> Mapping[str, object]:
-        """What it declares of itself (guide protocol, section 3): no amplitude is drawn."""
-        from leakref import __version__
-
-        return {"name": "leakref's seas", "version": __version__, "can": {"sea": {"amplitudes": "fixed"}}}
-
-    def sea(self, shape: tuple[int, int, int], spacing: tuple[float, float, float], *, variance: float,
-            peak_wavenumber: float, peakedness: float, direction: float, spread: float, current: tuple[float, float],
-            gravity: float, depth: float, surface_tension: float = 0.0, seed: int) -> FloatArray:  # fmt: skip
-        """A surface, (nx, ny, nt)."""
-        grid, water = Grid(shape, spacing), Water(gravity, depth, surface_tension)
-        waves = random_sea(grid, seed, variance=variance, peak_wavenumber=peak_wavenumber, peakedness=peakedness,
-                           direction=direction, spread=spread, current=current, water=water)  # fmt: skip
-        return synthesize(waves, *(grid.samples(axis) for axis in range(3)))
-
-
-generator = Generator()
-"""The built-in generator of random seas, `leakref.chain.generator`."""

@@ -25,7 +25,7 @@ from leakref.grid import Grid
 
 __all__ = [
     "INPUT_SPACING", "LARGEST_WAVENUMBER", "Components", "SeaState", "aligned_waves", "directional_spreading",
-    "jonswap", "random_sea", "uniform_phases",
+    "jonswap", "uniform_phases",
 ]  # fmt: skip
 
 INPUT_SPACING = 0.341
@@ -165,42 +165,6 @@ class SeaState:
         shift = shift_in("SeaState.components", self.current, k, water)
         omega = water.frequency(k) + dk * (i * shift[:, 0] + j * shift[:, 1])
         return Components(dk * i, dk * j, omega, np.sqrt(energy), uniform_phases(int(realization), i, j))
-
-
-def random_sea(
-    grid: Grid,
-    seed: int,
-    *,
-    variance: float,
-    peak_wavenumber: float,
-    peakedness: float = 3.3,
-    direction: float = 0.0,
-    spread: float = 60.0,
-    current: Sequence[float] = (0.0, 0.0),
-    water: Water = DEEP,
-) -> Components:
-    """A JONSWAP sea from parameters, its waves on the bins of a `grid` up to 3.5 times the peak's wavenumber.
-
-    `variance` is the mean square elevation, which the waves hold together; phases are uniform and follow from the
-    `seed` alone, amplitudes are those of the spectrum. Lengths, `current` (2,) and `water` are in one system of units,
-    `direction` (going-to) and `spread` (full width) in degrees. Raises LeakrefError where no bin lies within it.
-    """
-    positive("random_sea", variance=variance, peak_wavenumber=peak_wavenumber, peakedness=peakedness, spread=spread)
-    i, j = (index.ravel() for index in np.meshgrid(*(np.arange(-((n - 1) // 2), (n + 1) // 2) for n in grid.shape[:2])))
-    kx, ky = i * grid.bin_widths[0], j * grid.bin_widths[1]
-    k, f = np.hypot(kx, ky), directional_spreading(np.degrees(np.arctan2(ky, kx)), direction, spread)
-    inside = (k > 0) & (k <= LARGEST_WAVENUMBER * peak_wavenumber) & (f > 0)
-    i, j, kx, ky, k, f = (values[inside] for values in (i, j, kx, ky, k, f))
-    if not k.size:
-        raise LeakrefError("random_sea", f"no bin within {spread} degrees", "widen the spread or enlarge the grid")
-    scales = Scales(peak_wavenumber, water.gravity)
-    still, scaled = water.to_scaled(scales), k / peak_wavenumber
-    density = jonswap(still.frequency(scaled) / still.frequency(1.0), peakedness) * still.depth_factor(scaled)
-    energy = still.density_factor(scaled) * density * f
-    energy *= variance / energy.sum()
-    omega = water.frequency(k) + kx * current[0] + ky * current[1]
-    phase = uniform_phases(seed, i, j)
-    return Components(kx, ky, omega, np.sqrt(2 * energy), phase)
 
 
 def aligned_waves(

@@ -292,7 +292,7 @@ def test_its_stages_are_handed_what_it_says(tmp_path):
         surface = synthesize(waves, *axes)
         subject.spectrum(surface, grid.spacing, "hann")
         subject.extract(surface, grid.spacing, [1.5], window="box", raw=True)
-    with connect("leakref.chain:generator", keep=tmp_path / "seas") as subject:
+    with connect("leakref.generator:generator", keep=tmp_path / "seas") as subject:
         subject.sea(Sea(grid, 30.0, 120.0, 3.3, 1e-3, (0.0, 0.0), subject.still()), 1)
     seen = {}
     for request in tmp_path.rglob("request.json"):

@@ -21,9 +21,8 @@ from leakref.certify.subject.inprocess import InProcess
 from leakref.certify.subject.seas import Sea
 from leakref.certify.targets import connect
 from leakref.certify.verdict import Unanswered, Verdict
-from leakref.chain import Generator
+from leakref.generator import Generator, random_sea
 from leakref.grid import Grid
-from leakref.sea import random_sea
 
 SEAS = [name for name, fault in FAULTS.items() if fault.family == "sea"]
 SOME = ("sea-two-thirds-energy", "sea-from-for-to", "sea-current-sign", "sea-few-seeds", "sea-unrepeatable")
@@ -195,7 +194,7 @@ def test_a_code_that_makes_no_seas_is_not_asked():
 
 
 def test_a_generator_in_a_process_of_its_own():
-    with connect("leakref.chain:generator") as session:
+    with connect("leakref.generator:generator") as session:
         made = session.sea(ASKED, 3)
         other = InProcess(Generator()).sea(ASKED, 3)
     assert np.allclose(made, other)

@@ -9,7 +9,8 @@ import numpy as np
 
 from leakref._base import FloatArray
 from leakref.altered import Change
-from leakref.chain import Generator, Reference
+from leakref.chain import Reference
+from leakref.generator import Generator
 
 __all__ = [
     "CALL",

@@ -385,6 +385,7 @@ def implementation(identifier: str) -> Any:
     if identifier not in FAULTS:
         raise LeakrefError("faults", f"no fault is called {identifier!r}", "`leakref strength --json` lists them all")
     fault = FAULTS[identifier]
-    made = "Generator" if fault.family == "sea" else "Reference"
-    inner = fault.instead() if fault.instead else getattr(altered(fault.changes).chain, made)()
+    chain = altered(fault.changes)
+    made = chain.generator.Generator if fault.family == "sea" else chain.chain.Reference
+    inner = fault.instead() if fault.instead else made()
     return Named(inner, f"fault:{identifier}", null=identifier != "nan-as-number")

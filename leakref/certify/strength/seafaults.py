@@ -10,7 +10,7 @@ from typing import Any
 
 from leakref.altered import Change
 from leakref.certify.strength.fault import Fault
-from leakref.chain import Generator
+from leakref.generator import Generator
 
 __all__ = ["SEA_FAULTS"]
 
@@ -23,7 +23,7 @@ _AMPLITUDE = "return Components(kx, ky, omega, np.sqrt(2 * energy), phase)"
 
 
 def _sea(identifier: str, words: str, *changes: tuple[str, str]) -> Fault:
-    altered = tuple(Change("sea", old, new) for old, new in changes)
+    altered = tuple(Change("generator", old, new) for old, new in changes)
     return Fault(f"sea-{identifier}", "sea", "sea", words, altered)
 
 
