@@ -131,13 +131,13 @@ def _value(path: Path, content: memoryview, order: str, depth: int) -> Any:
     kind, parts = flags & 0xFF, list(islice(_elements(path, content, order), 3, None))
     if kind == _STRUCTURE:
         (_, width), (_, labels), *values = parts
-        size = int(np.frombuffer(width, f"{order}i4")[0])
-        names = [
-            bytes(labels[at : at + size]).partition(b"\0")[0].decode("latin1") for at in range(0, len(labels), size)
-        ]
-        held = [_value(path, part, order, depth + 1) for _, part in values]
-        rows = [dict(zip(names, held[at : at + len(names)], strict=True)) for at in range(0, len(held), len(names))]
-        return rows[0] if math.prod(shape) == 1 and len(rows) == 1 else rows
+        size = max(1, int(np.frombuffer(width, f"{order}i4")[0]))
+        names = [bytes(labels[at : at + size]).partition(b"\0")[0].decode() for at in range(0, len(labels), size)]
+        held = iter([_value(path, part, order, depth + 1) for _, part in values])
+        rows = (
+            [dict(zip(names, row, strict=False)) for row in zip(*[held] * len(names), strict=True)] if names else [{}]
+        )
+        return rows[0] if math.prod(shape) == 1 else rows
     if kind == _CELL:
         return [_value(path, part, order, depth + 1) for _, part in parts]
     if kind not in _CLASSES:

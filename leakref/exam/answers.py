@@ -119,6 +119,8 @@ def _mat(place: Path, name: str, largest: int, remedy: str) -> tuple[Any, str]:
         words = " ".join(str(error).split()) or type(error).__name__
         raise LeakrefError("exam grade", f"{place / name} is damaged or cut short ({words})", remedy) from None
     said = {key: _plain(held[key]) for key in ("digest", "code", "answers") if key in held}
+    if isinstance(said.get("code"), dict):
+        said["code"] = _listed(said["code"])
     answers = said.get("answers")
     rows = answers if isinstance(answers, list) else [answers]
     said["answers"] = [_answer(row) for row in rows if isinstance(row, dict)]
@@ -136,13 +138,20 @@ def _answer(row: dict[str, Any]) -> dict[str, Any]:
     return found
 
 
+def _listed(code: dict[str, Any]) -> dict[str, Any]:
+    """A declaration in which one word alone is a list of it: a mat file does not tell the two apart."""
+    names = {name: value for name, value in code.items() if name in ("fixed", "methods", "windows", "names")}
+    listed = {name: [value] if isinstance(value, str) and value else value or [] for name, value in names.items()}
+    return {name: _listed(value) if isinstance(value, dict) else value for name, value in code.items()} | listed
+
+
 def _plain(value: Any) -> Any:
     """Numbers, words, lists and objects: a 1 x 1 is a number, a row a list, whole numbers are whole."""
     if isinstance(value, dict):
         return {name: _plain(item) for name, item in value.items()}
     if isinstance(value, list):
         found = [_plain(item) for item in value]
-        return found[0] if len(found) == 1 and isinstance(found[0], dict) else found
+        return found
     if isinstance(value, str):
         return value
     array = np.squeeze(np.asarray(value))

@@ -9,7 +9,7 @@ is `unsupported` where it is marked (`replaying`).
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -18,6 +18,7 @@ import numpy as np
 from leakref._output import dump
 from leakref.certify.checks.draw import PUBLISHED
 from leakref.certify.checks.identity import identify
+from leakref.certify.checks.registry import Case, Check
 from leakref.certify.runner import select
 from leakref.certify.subject.declaration import Declaration
 from leakref.certify.subject.frames import OUTPUTS, OWN, Subject
@@ -113,19 +114,19 @@ class Recorder(Subject):
         row = None if self.silent else [_WRONG * self._asked, -_WRONG * (self._asked + 1)]
         return {"velocities": [row] * count, "wavenumbers": parameters["wavenumbers"][:count]}
 
-    def as_each_kind(self) -> Iterator[None]:
-        """Once for each kind of code that it may turn out to be, and for answers that are wrong and that lack."""
+    def ask_all(self, check: Check, case: Case) -> None:
+        """Have a check put its questions, to each kind of code that this one may turn out to be."""
+        self.check = f"{check.id}[{case.id}]"
         named = self.declaration.methods
-        kinds = [(name, frozenset({name})) for name in (() if named else METHODS)]
-        for self.reproduces, self.alike in [("" if named else OWN, frozenset()), *kinds]:
-            yield from self._wrong_and_lacking()
-        if named:
-            self.alike = frozenset(METHODS)
-            yield from self._wrong_and_lacking()
-
-    def _wrong_and_lacking(self) -> Iterator[None]:
-        for self.silent in (False, True):
-            yield
+        kinds = [("", frozenset[str]()), ("", frozenset(METHODS))]
+        if not named:
+            kinds = [(OWN, frozenset()), *((name, frozenset({name})) for name in METHODS)]
+        for self.reproduces, self.alike in kinds if self.offers("extract") else kinds[:1]:
+            before, self.silent = self._asked, False
+            check(self, case)
+            if self._asked > before and check.stage == "extract":
+                self.silent = True
+                check(self, case)
 
 
 def questions(
@@ -143,11 +144,9 @@ def questions(
     """
     recorder = Recorder(declaration, keep)
     for check, case in select(profile=profile, golden=golden, seed=seed):
-        recorder.check = f"{check.id}[{case.id}]"
-        for _ in recorder.as_each_kind():
-            check(recorder, case)
+        recorder.ask_all(check, case)
         after_each()
-    recorder.check, recorder.alike = IDENTITY, None
+    recorder.check, recorder.alike, recorder.silent = IDENTITY, None, False
     identify(recorder)
     return list(recorder.found.values())
 

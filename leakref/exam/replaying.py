@@ -9,9 +9,9 @@ from typing import Any
 
 from leakref.certify.subject.answers import accepted
 from leakref.certify.subject.declaration import Declaration
-from leakref.certify.subject.exchange import taken
 from leakref.certify.subject.frames import OUTPUTS, Subject
 from leakref.certify.verdict import Absent, Unanswered, Verdict
+from leakref.exam import storing
 from leakref.exam.recording import Key, key_of
 
 __all__ = ["Marked", "Replay"]
@@ -53,5 +53,5 @@ class Replay(Subject):
         found = accepted(one.answer)
         if shape := self.shape_of(stage, arrays, parameters):
             name = OUTPUTS[stage]
-            return {name: taken(self._place, self._place / one.output, self._format, name, shape)}
+            return storing.read(self._place, self._place / one.output, self._format, {name: shape})
         return found

@@ -15,11 +15,12 @@ from typing import Any, BinaryIO
 from zipfile import ZipFile, ZipInfo
 
 import numpy as np
+import numpy.typing as npt
 from scipy import io
 
 from leakref._base import FloatArray, LeakrefError
 from leakref.certify.subject.exchange import opened, taken
-from leakref.cubes import formats
+from leakref.certify.verdict import Unanswered, Verdict
 
 __all__ = ["FORMATS", "SUFFIX", "checksum", "files", "format_named", "read", "sha256", "write"]
 
@@ -97,24 +98,23 @@ def checksum(content: bytes) -> int:
     return zlib.adler32(content)
 
 
-def read(top: Path, path: Path, form: str, shapes: Mapping[str, tuple[int, ...]]) -> dict[str, FloatArray]:
-    """The arrays of a file, or a folder, that `write` wrote somewhere below the folder `top`, with the suspicion with
-    which every file from elsewhere is read. Raises LeakrefError or Unanswered.
+def read(top: Path, path: Path, form: str, shapes: Mapping[str, tuple[int, ...]]) -> dict[str, npt.NDArray[Any]]:
+    """The arrays of a file, or a folder, somewhere below the folder `top`, read with the suspicion with which the
+    output of every program is read. Raises Unanswered: error if there is none or it is damaged, fail if it holds
+    something else. Shapes are those wanted; only raw takes them on, the caller looks at the others.
     """
-    if form == "raw":
-        return {name: taken(top, path, "raw", name, shape) for name, shape in shapes.items()}
-    most = max(int(np.prod(shape)) for shape in shapes.values())
+    if form != "netcdf":
+        return {name: taken(top, path, form, name, shape) for name, shape in shapes.items()}
+    most = 64 * sum(int(np.prod(shape)) for shape in shapes.values()) + 2**20
     try:
         with opened(top, path) as stream:
-            if form != "netcdf":
-                found = formats.variables(path, tuple(shapes), stream=stream, most=most)
-            else:
-                held = BytesIO(stream.read(64 * most + 2**20))
-                with io.netcdf_file(held, "r", mmap=False) as dataset:
-                    found = {name: np.array(dataset.variables[name][...]) for name in shapes}
-        return {name: np.asarray(found[name], dtype=np.float64).reshape(shape) for name, shape in shapes.items()}
-    except LeakrefError:
+            content = stream.read(most + 1)
+        if len(content) > most:
+            raise Unanswered(Verdict.FAIL, f"its output {path.name} takes more than {most} bytes")
+        with io.netcdf_file(BytesIO(content), "r", mmap=False) as dataset:
+            return {name: np.array(dataset.variables[name][...], dtype=np.float64) for name in shapes}
+    except Unanswered:
         raise
-    except Exception as error:  # parsers of damaged files raise anything
+    except Exception as error:  # a damaged file may make a parser raise anything
         words = " ".join(str(error).split()) or type(error).__name__
-        raise LeakrefError("exam", f"{path} is damaged ({words})", "copy it again") from None
+        raise Unanswered(Verdict.ERROR, f"its output {path.name} cannot be read ({words})") from None

@@ -107,7 +107,8 @@ leakref_answered <- function(code, folder, cells) {
       paste0(', "output": "', cells[5], '"')
     }
     paste0('"ok"', rest)
-  }, leakref_stale = function(fault) stop(fault), error = function(fault) {
+  }, error = function(fault) {
+    if (inherits(fault, "leakref_stale")) stop(fault)
     said <- conditionMessage(fault)
     status <- if (startsWith(said, "unsupported:")) '"unsupported"' else '"error"'
     said <- gsub("[^ -~]|[\"\\\\]", " ", said)

@@ -203,7 +203,7 @@ function rest = output(folder, form, place, name, value)  % an array that comes 
   else
     if exist(path, 'dir') ~= 7, mkdir(path); end
     value = permute(value, ndims(value):-1:1);
-    value = value(:)';
+    value = value(:).';
     if ~isreal(value), value = [real(value); imag(value)]; end
     file = fopen(fullfile(path, [name '.f64']), 'w', 'ieee-le');
     fwrite(file, value, 'double');
