@@ -35,7 +35,7 @@ from leakref.exam import storing
 from leakref.exam.recording import Question, questions, watched
 from leakref.golden.digests import digest
 
-__all__ = ["ANSWERS", "QUESTIONS", "SCHEMA", "Sheet", "lay_down", "load", "strict_json"]
+__all__ = ["ANSWERS", "QUESTIONS", "SCHEMA", "Sheet", "filled", "lay_down", "load", "strict_json"]
 
 SCHEMA = "leakref/exam/1"
 QUESTIONS, ANSWERS = "questions.json", ("answers.json", "answers.mat")
@@ -161,7 +161,7 @@ def _written(
     texts = {QUESTIONS: _lines(record), "questions.tsv": "".join(_table(record))}
     texts["declaration.json"] = dump(record["declaration"]) + "\n"
     words = {"@FOLDER@": name, "@FORMAT@": form, "@COUNT@": str(len(rows))}
-    texts["README.md"] = _filled(_text("README.md"), form, words)
+    texts["README.md"] = filled(_text("README.md"), form, words)
     texts |= {name: _text(name) for name in RUNNERS.get(form, ())}
     for file, text in texts.items():
         (place / file).write_text(text, encoding="utf-8", newline="\n")
@@ -177,7 +177,7 @@ def _text(name: str) -> str:
     return resources.files("leakref.exam").joinpath("templates", name).read_text("utf-8")
 
 
-def _filled(text: str, form: str, words: Mapping[str, str]) -> str:
+def filled(text: str, form: str, words: Mapping[str, str]) -> str:
     """A page with what is for this format only, between lines `@only FORMAT...` and `@end`, and its words put in."""
     kept, holds = [], True
     for line in text.splitlines(keepends=True):

@@ -121,8 +121,8 @@ class Recorder(Subject):
         kinds = [("", frozenset[str]()), ("", frozenset(METHODS))]
         if not named:
             kinds = [(OWN, frozenset()), *((name, frozenset({name})) for name in METHODS)]
-        for self.reproduces, self.alike in kinds if self.offers("extract") else kinds[:1]:
-            before, self.silent = self._asked, False
+        for reproduces, alike in kinds if self.offers("extract") else kinds[:1]:
+            self.reproduces, self.alike, self.silent, before = reproduces, alike, False, self._asked
             check(self, case)
             if self._asked > before and check.stage == "extract":
                 self.silent = True
