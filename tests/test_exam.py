@@ -1,4 +1,4 @@
-"""An examination in Python: what is asked, what is in the folder, what comes back, and that marks are those of certify."""
+"""An examination in Python: what is asked, what is in the folder, what comes back; marks are those of certify."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from test_commands import leakref as command
 from leakref import LeakrefError
 from leakref.certify.certificate import schema
 from leakref.certify.runner import certify, select
-from leakref.certify.strength import faults, variants
+from leakref.certify.strength import faults
 from leakref.certify.subject.declaration import Declaration
 from leakref.certify.subject.inprocess import InProcess
 from leakref.certify.targets import load
@@ -362,7 +362,7 @@ def test_another_seed_than_that_of_the_questions_is_found_out(reference, tmp_pat
     record = json.loads((reference / "questions.json").read_text()) | {"seed": 2}
     record["digest"] = folder.digest({name: value for name, value in record.items() if name != "digest"})
     (tmp_path / "questions.json").write_text(json.dumps(record))
-    with pytest.raises(LeakrefError, match="not the questions of seed 2: .* is another cube"):
+    with pytest.raises(LeakrefError, match=r"not the questions of seed 2: .* is another cube"):
         recognise(tmp_path, folder.load(tmp_path))
 
 

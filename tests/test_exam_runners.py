@@ -1,4 +1,4 @@
-"""The runners of an examination, each run where no Python is on the path, and marked as certify marks the same program."""
+"""The runners of an examination, each where no Python is on the path, marked as certify marks the same program."""
 
 from __future__ import annotations
 
@@ -6,9 +6,11 @@ import json
 import os
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
+import yaml
 from test_exam import WATCHED, copied, marks
 from tools import requires
 
@@ -171,7 +173,7 @@ def test_a_runner_answers_no_stale_copy(language, run, whole, tmp_path):
 
 
 OTHER = {
-    "octave": """leakref_exam(struct('extract', @(eta, p) error('leakref:unsupported', 'no "such" \\\\ thing'),
+    "octave": """leakref_exam(struct('extract', @(eta, p) error('leakref:unsupported', 'no "such" \\\\ thing'), ...
       'window', @(p) error('leakref:mine', ['a ' char(10) 'line'])));""",
     "cpp": """#include "leakref_exam.hpp"
       int main() { leakref::Code code;
@@ -189,9 +191,7 @@ NAMES = {"octave": "leakref_example.m", "cpp": "leakref_example.cpp", "r": "leak
 
 def replaced(place, language, text):
     path = place / NAMES[language]
-    path.write_text(
-        f"function leakref_example()\n{text.replace(chr(10), ' ')}\nend\n" if language == "octave" else text
-    )
+    path.write_text(f"function leakref_example()\n{text}\nend\n" if language == "octave" else text)
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
@@ -210,20 +210,27 @@ def test_what_a_code_cannot_do_or_breaks_at_is_said(language, run, whole, tmp_pa
 
 
 STAGES = {
-    "octave": """leakref_exam(struct('extract', @(eta, p) struct('velocities', [p.dx, Inf; NaN, 2], 'wavenumbers', [p.t(2), p.y(3)]),
-      'spectrum', @(eta, p) (1 + 2i) * eta, 'synthesize', @(p) p.kx(1) * reshape(p.x, [], 1) + 10 * p.y + 100 * reshape(p.t, 1, 1, [])));""",
+    "octave": """leakref_exam(struct('extract', @(eta, p) struct('velocities', [p.dx, Inf; NaN, 2], ...
+        'wavenumbers', [p.t(2), p.y(3)]), 'spectrum', @(eta, p) (1 + 2i) * eta, ...
+      'synthesize', @(p) p.kx(1) * reshape(p.x, [], 1) + 10 * p.y + 100 * reshape(p.t, 1, 1, [])));""",
     "cpp": """#include "leakref_exam.hpp"
       int main() { leakref::Code code;
-      code.extract = [](const leakref::Given& g, const leakref::Question& q) { leakref::Rows r;
-        r.velocities = {{q.number("dx"), HUGE_VAL}, {std::nan(""), 2}}; r.wavenumbers = {g.at("t")[1], g.at("y")[2]}; return r; };
-      code.spectrum = [](const leakref::Given& g, const leakref::Question&) { std::vector<std::complex<double>> S;
-        for (double e : g.at("eta")) S.push_back({e, 2 * e}); return S; };
-      code.synthesize = [](const leakref::Given& g, const leakref::Question&) { leakref::Values eta;
-        for (double x : g.at("x")) for (double y : g.at("y")) for (double t : g.at("t")) eta.push_back(g.at("kx")[0] * x + 10 * y + 100 * t);
+      code.extract = [](const leakref::Given& g, const leakref::Question& q) {
+        leakref::Rows r{{{q.number("dx"), HUGE_VAL}, {std::nan(""), 2}}, {g.at("t")[1], g.at("y")[2]}};
+        return r; };
+      code.spectrum = [](const leakref::Given& g, const leakref::Question&) {
+        std::vector<std::complex<double>> S;
+        for (double e : g.at("eta")) S.push_back({e, 2 * e});
+        return S; };
+      code.synthesize = [](const leakref::Given& g, const leakref::Question&) {
+        leakref::Values eta;
+        for (double x : g.at("x")) for (double y : g.at("y"))
+          for (double t : g.at("t")) eta.push_back(g.at("kx")[0] * x + 10 * y + 100 * t);
         return eta; };
       return leakref::exam(code); }""",
     "r": """source("leakref_exam.R")
-      leakref_exam(list(extract = function(eta, p) list(velocities = rbind(c(p$dx, Inf), c(NaN, 2)), wavenumbers = c(p$t[2], p$y[3])),
+      leakref_exam(list(
+        extract = function(eta, p) list(velocities = rbind(c(p$dx, Inf), c(NaN, 2)), wavenumbers = c(p$t[2], p$y[3])),
         spectrum = function(eta, p) complex(real = 1, imaginary = 2) * eta,
         synthesize = function(p) outer(outer(p$kx[1] * p$x, 10 * p$y, "+"), 100 * p$t, "+")))""",
 }
@@ -350,3 +357,50 @@ def test_an_nsp_in_octave_is_marked_as_certify_judges(run, tmp_path):
     assert found.grade == by_certify.grade == "conformant"
     sheet = folder.load(place)
     assert len(read(place, sheet).by_id) == len(sheet.record["questions"])
+
+
+# ---------------------------------------------------------------- in CI
+
+
+def ci_jobs(place):
+    """What the jobs of each file do, in their order: the questions, the answers, the marks; and its variables."""
+    scaffold.write("ci", place)
+    github = yaml.safe_load((place / ".github" / "workflows" / "leakref-exam.yml").read_text())
+    gitlab = yaml.safe_load((place / ".gitlab-ci-exam.yml").read_text())
+    names = ("questions", "answers", "marks")
+    yield [[s["run"] for s in github["jobs"][name]["steps"] if "run" in s] for name in names], github["env"]
+    yield [gitlab[f"leakref-{name}"]["script"] for name in names], gitlab[".leakref-exam"]["variables"]
+    assert [github["jobs"][name].get("needs") for name in names] == [None, "questions", "answers"]
+    assert [gitlab[f"leakref-{name}"].get("needs") for name in names] == [
+        None,
+        ["leakref-questions"],
+        ["leakref-answers"],
+    ]
+    assert "python" not in github["jobs"]["answers"]["container"] + gitlab["leakref-answers"]["image"]
+
+
+def test_both_kinds_of_ci_do_the_same(tmp_path):
+    first, second = ci_jobs(tmp_path)
+    assert first == second
+
+
+@pytest.mark.slow
+def test_the_jobs_of_ci_examine_a_code(run, path_without_python, tmp_path):
+    """Line by line, but for what installs: leakref is here, and so is Octave."""
+    requires("octave-cli", "octave")
+    (questions, answers, grades), variables = next(ci_jobs(tmp_path))
+    (tmp_path / "declare.json").write_text(json.dumps(LS))
+    code = folder.text_of("leakref_example.m").partition("function c = deep_or_not")[2]
+    (tmp_path / "my_current.m").write_text("function c = my_current" + code)
+    with_python = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
+    for line in questions[1:]:
+        subprocess.run(["sh", "-c", line], cwd=tmp_path, check=True, env=with_python, capture_output=True)
+    for line in answers[1:]:
+        subprocess.run(
+            ["sh", "-c", line], cwd=tmp_path, check=True, capture_output=True,
+            env={"PATH": path_without_python, "HOME": str(tmp_path), "ANSWER": variables["ANSWER"]},
+        )  # fmt: skip
+    for line in grades[1:]:
+        done = subprocess.run(["sh", "-c", line], cwd=tmp_path, env=with_python, capture_output=True, text=True)
+        assert done.returncode == 0, done.stdout + done.stderr
+    assert "by examination" in (tmp_path / "leakref-report" / "junit.xml").read_text()

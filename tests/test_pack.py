@@ -193,8 +193,9 @@ def test_every_format_holds_the_same(form, tmp_path):
 
 @pytest.mark.parametrize("language", LANGUAGES)
 def test_a_runner_passes_what_is_right_and_finds_what_is_not(language, place):
-    """Every vector by the chain; then one number off by one and a half times its tolerance, a NaN for a number, a number
-    for a NaN, an output that lacks, and another shape."""
+    """Every vector by the chain; then one number off by one and a half times its tolerance, a NaN for a number, a
+    number for a NaN, an output that lacks, and another shape.
+    """
     scenario(place, "same", ENTRIES)
     chosen = {entry.id: entry for entry in ENTRIES if entry.stage in ("window", "ls")}
     scenario(place, "off", chosen.values())

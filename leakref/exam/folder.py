@@ -35,7 +35,7 @@ from leakref.exam import storing
 from leakref.exam.recording import Question, questions, watched
 from leakref.golden.digests import digest
 
-__all__ = ["ANSWERS", "QUESTIONS", "SCHEMA", "Sheet", "filled", "lay_down", "load", "strict_json"]
+__all__ = ["ANSWERS", "QUESTIONS", "SCHEMA", "Sheet", "filled", "lay_down", "load", "strict_json", "text_of"]
 
 SCHEMA = "leakref/exam/1"
 QUESTIONS, ANSWERS = "questions.json", ("answers.json", "answers.mat")
@@ -161,14 +161,14 @@ def _written(
     texts = {QUESTIONS: _lines(record), "questions.tsv": "".join(_table(record))}
     texts["declaration.json"] = dump(record["declaration"]) + "\n"
     words = {"@FOLDER@": name, "@FORMAT@": form, "@COUNT@": str(len(rows))}
-    texts["README.md"] = filled(_text("README.md"), form, words)
-    texts |= {name: _text(name) for name in RUNNERS.get(form, ())}
+    texts["README.md"] = filled(text_of("README.md"), form, words)
+    texts |= {name: text_of(name) for name in RUNNERS.get(form, ())}
     for file, text in texts.items():
         (place / file).write_text(text, encoding="utf-8", newline="\n")
     return record
 
 
-def _text(name: str) -> str:
+def text_of(name: str) -> str:
     """A runner, or what is said to the owner. The example in Octave is the scaffold's own fit."""
     if name == "leakref_example.m":
         adapter = resources.files("leakref.certify").joinpath("templates", "octave", "adapter.m").read_text("utf-8")
