@@ -290,10 +290,13 @@ MISTAKES = {
         "c(n, :) = (normal \\ (direction' * shift))';",
         "c(n, :) = fliplr((normal \\ (direction' * shift))');",
     ),
-    "gravity": ("sqrt(p.gravity * k(strong)", "sqrt(10 * k(strong)"),
+    "hertz": ("omega = 2 * pi / (nt * p.dt)", "omega = 1 / (nt * p.dt)"),
     "duration": ("2 * pi / (nt * p.dt)", "2 * pi / ((nt - 1) * p.dt)"),
     "deep": (" .* tanh(p.depth * k(strong))", ""),
-    "no-taper": ("eta = eta .* taper(p.window, nx)", "eta = eta .* ones(nx, 1)"),
+    "no-taper": (
+        "eta = eta .* taper(p.window, nx) .* taper(p.window, ny)' .* reshape(taper(p.window, nt), 1, 1, nt);",
+        "",
+    ),
 }
 """Each in one line of the fit that adapter and example have in common."""
 TELLING = ("signs.aligned", "recovery.pair", "recovery.ring", "recovery.sea", "depth.aligned", "leakage.still")
@@ -317,7 +320,7 @@ def test_a_mistake_in_the_code_is_named_as_by_certify(mistake, run, whole, tmp_p
     assert verdicts(found, TELLING) == verdicts(by_certify, TELLING)
     assert found.grade == by_certify.grade == "rejected"
     assert [dict(one) for one in found.diagnosis] == [dict(one) for one in by_certify.diagnosis]
-    assert any(one["kind"] == "fault" for one in found.diagnosis) or mistake == "no-taper"
+    assert "fault" in {one["kind"] for one in found.diagnosis}
 
 
 # ---------------------------------------------------------------- the whole of it
@@ -331,7 +334,7 @@ def test_the_whole_quick_examination_is_marked_as_certify_judges(language, run, 
     found, by_certify = marks(place), direct(adapter(tmp_path / "adapter"))
     assert verdicts(found) == verdicts(by_certify)
     assert found.grade == by_certify.grade == "conformant"
-    assert found.diagnosis == []
+    assert not found.diagnosis
 
 
 @pytest.mark.slow
