@@ -22,6 +22,7 @@ TOPICS = (
     "octave",
     "cpp",
     "shell",
+    "exam",
     "protocol",
     "real-codes",
     "pytest",

@@ -336,6 +336,9 @@ COMMANDS = [
     ["golden", "lint", "--set", "nothing"],
     ["golden", "verify", "nonsense"],
     ["golden", "regenerate", "nonsense"],
+    ["golden", "pack", "--format", "nonsense", "--out", "x"],
+    ["exam", "write", "x", "--format", "nonsense"],
+    ["exam", "grade", "nothing"],
     ["track", "record"],
     ["track", "compare", "a", "b"],
     ["track", "plot"],
@@ -353,7 +356,7 @@ def test_every_command_is_tried_below():
         for group in app.registered_groups
         for command in group.typer_instance.registered_commands
     }
-    assert named == {tuple(words[:2]) if words[0] in ("golden", "track") else (words[0],) for words in COMMANDS}
+    assert named == {tuple(words[:2]) if words[0] in ("exam", "golden", "track") else (words[0],) for words in COMMANDS}
 
 
 @pytest.mark.parametrize("words", COMMANDS, ids=lambda words: " ".join(words[:2]))

@@ -30,7 +30,7 @@ PROJECT = FOLDER.parents[1]
 BLOCK = re.compile(
     r"(?:<!-- (?P<note>[^\n]*) -->\n)?```(?P<language>\w+)\n(?P<text>.*?)^```$", re.DOTALL | re.MULTILINE
 )
-NEEDS = {"octave": ("octave-cli", "octave"), "cpp": ("g++",)}
+NEEDS = {"exam": ("octave-cli", "octave"), "octave": ("octave-cli", "octave"), "cpp": ("g++",)}
 
 
 def blocks(topic):

@@ -10,7 +10,7 @@ from typing import NoReturn
 
 import pytest
 
-REQUIRABLE = {"octave", "chromium", "iwave", "g++", "make"}
+REQUIRABLE = {"octave", "chromium", "iwave", "g++", "make", "Rscript"}
 """What LEAKREF_REQUIRE may name, with commas between: where it is absent its tests fail instead of skipping."""
 
 

@@ -62,6 +62,7 @@ class Certificate:
     - `cut_short`: where the run was interrupted, in words, empty if it came to its end; `unasked`: how many questions
       were left then.
     - `again`: the command that repeats the run; empty where it was not run by one.
+    - `examination`: of one by files the digests of questions and answers, and their numbers; empty of a code that ran.
     """
 
     target: str
@@ -88,6 +89,7 @@ class Certificate:
     cut_short: str = ""
     unasked: int = 0
     again: str = ""
+    examination: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def counts(self) -> dict[str, int]:
@@ -204,34 +206,33 @@ class Certificate:
         known = [
             {"id": k.id, "reason": k.reason, "issue": k.issue, "stale": k in self.stale} for k in self.known.values()
         ]
-        result: dict[str, Any] = plain(
-            envelope(
-                "certify",
-                self.ok,
-                target=self.target,
-                grade=self.grade,
-                grade_line=self.grade_line,
-                coverage=self.coverage,
-                scope=self.scope(),
-                seed=self.seed,
-                date=self.date,
-                complete=not self.cut_short,
-                cut_short=self.cut_short,
-                profile=self.profile,
-                golden=self.golden,
-                declaration=self.declaration,
-                counts=self.counts,
-                seconds=round(self.seconds, 2),
-                findings=[f.record() for f in self.findings],
-                diagnosis=list(self.diagnosis),
-                explanation=self.explanation,
-                departs_at=self.departs_at,
-                bias=list(self.bias),
-                stress=list(self.stress),
-                known=known,
-            )
+        said = envelope(
+            "certify",
+            self.ok,
+            target=self.target,
+            grade=self.grade,
+            grade_line=self.grade_line,
+            coverage=self.coverage,
+            scope=self.scope(),
+            seed=self.seed,
+            date=self.date,
+            complete=not self.cut_short,
+            cut_short=self.cut_short,
+            profile=self.profile,
+            golden=self.golden,
+            declaration=self.declaration,
+            counts=self.counts,
+            seconds=round(self.seconds, 2),
+            findings=[f.record() for f in self.findings],
+            diagnosis=list(self.diagnosis),
+            explanation=self.explanation,
+            departs_at=self.departs_at,
+            bias=list(self.bias),
+            stress=list(self.stress),
+            known=known,
+            examination=self.examination,
         )
-        return result
+        return dict(plain(said))
 
     @property
     def grade_line(self) -> str:
@@ -244,6 +245,7 @@ class Certificate:
             words.append(f"in {waves}")
         if self.only:
             words.append(f"asked only {', '.join(self.only)}")
+        words += ["by examination"] if self.examination else []
         if known := len(self.wrong) - len(self.unexpected):
             words.append(f"known: {known}")
         return ", ".join([*words, f"{len(self.judged)} of {len(self.findings)} questions"])
@@ -331,8 +333,7 @@ def schema() -> dict[str, Any]:
 
     It is the file `certificate.schema.json` that is shipped with the package; a test holds `Certificate.record` to it.
     """
-    text = resources.files("leakref.certify").joinpath("certificate.schema.json").read_text(encoding="utf-8")
-    return dict(loads(text))
+    return dict(loads(resources.files("leakref.certify").joinpath("certificate.schema.json").read_text("utf-8")))
 
 
 _DEEP = 19.0  # k0 h from which tanh(k0 h) is 1 to the last bit
@@ -357,6 +358,7 @@ def junit(certificate: Certificate) -> str:
         *certificate.coverage.items(),
         ("scope", certificate.scope()["words"]),
         ("seed", certificate.seed),
+        *((f"examination {name}", value) for name, value in certificate.examination.items()),
     ):
         ElementTree.SubElement(properties, "property", name=name, value=_clean(str(value)))
     case = ElementTree.SubElement(suite, "testcase", classname="leakref.grade", name=_clean(certificate.grade_line))

@@ -33,7 +33,7 @@ from leakref.certify.verdict import Verdict, read_known
 from leakref.golden.sets import NEWEST, locate
 from leakref.planning.quantities import quantity
 
-__all__ = ["Request", "named", "run", "show_list", "show_schema"]
+__all__ = ["Request", "give", "named", "run", "seed_of", "show_list", "show_schema"]
 
 _COLOUR = {
     Verdict.PASS: "green",
@@ -173,7 +173,7 @@ def run(request: Request, *, json: bool = False) -> int:
                 after_each=lambda finding: step(),
             )
     except CutShort as cut:
-        _give(named(cut.certificate, request), request, [], json=json)
+        give(named(cut.certificate, request), request.report, json=json)
         raise
     except HarnessBroken as broken:
         console().print(f"[red]Could not judge:[/] {escape(str(broken))}", soft_wrap=True)
@@ -193,21 +193,25 @@ def run(request: Request, *, json: bool = False) -> int:
     except KeyboardInterrupt:  # what has been found is not lost
         found = replace(found, cut_short="interrupted when all had been asked, before it was looked into further")
     found = replace(found, seconds=perf_counter() - start)
-    _give(found, request, pictures, json=json)
+    give(found, request.report, pictures, json=json)
     if found.cut_short:
         raise KeyboardInterrupt
     return found.status
 
 
-def _give(found: Certificate, request: Request, pictures: Sequence[Mapping[str, Any]], *, json: bool) -> None:
-    """Print and write what there is, all of it or what was found before somebody lost patience."""
-    written = _write(found, request.report, pictures)
+def give(
+    found: Certificate, report: Path | None, pictures: Sequence[Mapping[str, Any]] = (), *, json: bool = False
+) -> None:
+    """Print and write what there is, all of it or what was found before somebody lost patience. `report` is the folder
+    for page, badge, JSON and JUnit XML; with `json` the certificate is printed as JSON.
+    """
+    written = _write(found, report, pictures)
     if found.cut_short:
         console().print(f"[yellow]Cut short:[/] {found.cut_short}")
     if json:
         print(dump(found.record()))
     else:
-        _print(found, written, request.only)
+        _print(found, written, found.only)
 
 
 def named(found: Certificate, request: Request) -> Certificate:
@@ -353,4 +357,15 @@ def _sentence(found: Certificate) -> str:
     return (
         f"[{colour} bold]{escape(found.grade_line)}[/]: {sentence(found)}\n{escape(found.scope()['words'])} "
         f"Golden set {found.golden}, {found.profile} profile, seed {found.seed}, {found.seconds:.0f} s."
+        + _examined(found.examination)
+    )
+
+
+def _examined(about: Mapping[str, Any]) -> str:
+    """That nobody saw the code at work, and which questions and answers it was; empty where it ran."""
+    if not about:
+        return ""
+    answered = f"{about['answered']} of {about['questions']} questions answered"
+    return (
+        f"\nBy examination: {answered}; digest of the questions {about['digest']}, of the answers {about['answers']}."
     )

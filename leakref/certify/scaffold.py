@@ -19,10 +19,16 @@ NEXT = {
     "octave": 'leakref certify --command "octave-cli --quiet --no-init-file adapter.m"',
     "shell": 'leakref certify --command "sh adapter.sh"',
     "cpp": "make && leakref certify --command ./adapter",
-    "ci": "set LEAKREF and TARGET at the top of each, then git add .github/workflows/leakref.yml .gitlab-ci.yml",
+    "ci": "set LEAKREF and TARGET at the top of each, then git add .github/workflows/leakref.yml .gitlab-ci.yml; or "
+    "LEAKREF and ANSWER in those of an examination, for a code that no Python is beside (leakref guide exam)",
 }
 """By kind, what to do next in the folder."""
-_PLACES = {"github.yml": ".github/workflows/leakref.yml", "gitlab.yml": ".gitlab-ci.yml"}
+_PLACES = {
+    "github.yml": ".github/workflows/leakref.yml",
+    "gitlab.yml": ".gitlab-ci.yml",
+    "github-exam.yml": ".github/workflows/leakref-exam.yml",
+    "gitlab-exam.yml": ".gitlab-ci-exam.yml",
+}
 
 
 def write(kind: str, folder: Path) -> list[Path]:

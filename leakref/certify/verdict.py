@@ -15,7 +15,7 @@ from typing import Any
 
 from leakref._base import LeakrefError, refusal
 
-__all__ = ["WRONG", "Finding", "Known", "Refused", "Unanswered", "Verdict", "printable", "read_known"]
+__all__ = ["WRONG", "Absent", "Finding", "Known", "Refused", "Unanswered", "Verdict", "printable", "read_known"]
 
 
 def printable(text: Any, longest: int = 300) -> str:
@@ -115,6 +115,17 @@ class Refused(Unanswered):
 
     def __init__(self, message: str) -> None:
         super().__init__(Verdict.MISSING, f"refused: {message}")
+
+
+class Absent(Unanswered):
+    """A question that nobody has answered, as in an examination that was left off: missing in the end.
+
+    Until then it is not taken for a refusal, which may be the right answer, or lead to another question: as one of what
+    is not offered it ends the check that asked.
+    """
+
+    def __init__(self, message: str) -> None:
+        super().__init__(Verdict.UNSUPPORTED, message)
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from leakref.cli.base import app
 
 __all__ = ["app", "main"]
 
-for _part in ("judge", "data", "paper", "golden", "upkeep"):  # in this order they are listed
+for _part in ("judge", "exam", "data", "paper", "golden", "upkeep"):  # in this order they are listed
     import_module(f"leakref.cli.{_part}")
 
 

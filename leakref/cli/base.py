@@ -74,6 +74,8 @@ def command(
 
 golden_app = typer.Typer(no_args_is_help=True, context_settings={"help_option_names": ["-h", "--help"]})
 app.add_typer(golden_app, name="golden", rich_help_panel=UPKEEP, help="The golden values: unchanged? still reproduced?")
+exam_app = typer.Typer(no_args_is_help=True, context_settings={"help_option_names": ["-h", "--help"]})
+app.add_typer(exam_app, name="exam", rich_help_panel=JUDGE, help="Certified without Python: questions as files, marks.")
 NEWEST_GOLDEN = 2
 GoldenNumber = Annotated[int, typer.Option("--golden", help="Which set: 1 for golden/v1; 2 is that and what is new.")]
 GoldenFolder = Annotated[Path | None, typer.Option("--set", help="Folder of a set, instead of the installed one.")]

@@ -10,7 +10,7 @@ import typer
 
 from leakref.cli.base import NEWEST_GOLDEN, GoldenFolder, GoldenNumber, GoldenWork, Json, Workers, command, golden_app
 
-__all__ = ["golden_lint", "golden_regenerate", "golden_verify"]
+__all__ = ["golden_lint", "golden_pack", "golden_regenerate", "golden_verify"]
 
 
 @command(None, "lint", golden_app)
@@ -74,3 +74,18 @@ def golden_regenerate(
     from leakref.golden.commands import run_regenerate
 
     return run_regenerate(ids or [], golden, place, work=work, workers=workers or os.cpu_count() or 1, json=json)
+
+
+@command(None, "pack", golden_app)
+def golden_pack(
+    out: Annotated[Path, typer.Option(help="The archive to write, a zip.")],
+    form: Annotated[
+        str, typer.Option("--format", help="Of the arrays: raw (for all runners), mat, npz or netcdf.")
+    ] = "raw",
+    golden: GoldenNumber = NEWEST_GOLDEN,
+    json: Json = False,
+) -> bool:
+    """For unit tests in other languages: vectors of all stages, tolerances, runners that compare, in one archive."""
+    from leakref.exam.pack import run
+
+    return run(out, form, golden, json=json)

@@ -19,7 +19,7 @@ from scipy import io
 from leakref.cubes.suspicion import DENSEST, HEADER, claim, refuse, size_of
 
 Listing = dict[str, tuple[tuple[int, ...], str]]
-__all__ = ["list_mat", "read_mat"]
+__all__ = ["list_mat", "read_mat", "tree"]
 
 
 def read_mat(path: Path, stream: BinaryIO, names: Sequence[str], most: int | None) -> dict[str, Any]:
@@ -98,6 +98,56 @@ def _fields(name: str, value: Any) -> Iterator[tuple[str, Any]]:
             yield f"{name}.{field}", np.asarray(inner)
 
 
+def tree(path: Path, content: bytes, largest: int) -> dict[str, Any]:
+    """All that a mat file says, version 5 to 7, by name: structures as dictionaries, arrays of them and cells as lists,
+    text as words, the rest as arrays. Packed or not it may not be more than `largest` bytes in all.
+    """
+    if content[124:128] not in (b"\x00\x01IM", b"\x01\x00MI"):
+        refuse(path, "is no mat file of version 5", "save it with -v6 or -v7")
+    order = "<" if content[126:128] == b"IM" else ">"
+    found: dict[str, Any] = {}
+    left = largest
+    for kind, element in _elements(path, memoryview(content)[128:], order):
+        if kind == _COMPRESSED:
+            unpacking = zlib.decompressobj()
+            unpacked = unpacking.decompress(element, left + 1)
+            if len(unpacked) > left:
+                refuse(path, f"holds more than {largest} bytes when it is unpacked", "save what was asked for")
+            ((kind, element),) = _elements(path, memoryview(unpacked), order)
+        left -= len(element)
+        if kind == _MATRIX:
+            name, _, _ = _mat_header(path, element, order)
+            found[name] = _value(path, element, order, 0)
+    return found
+
+
+def _value(path: Path, content: memoryview, order: str, depth: int) -> Any:
+    """What a variable, a field or a cell holds."""
+    if depth > _DEEPEST:
+        refuse(path, "holds structures within each other beyond reason", "save what was asked for")
+    if not len(content):
+        return np.zeros((0, 0))
+    _, flags, shape = _mat_header(path, content, order)
+    kind, parts = flags & 0xFF, list(islice(_elements(path, content, order), 3, None))
+    if kind == _STRUCTURE:
+        (_, width), (_, labels), *values = parts
+        size = max(1, int(np.frombuffer(width, f"{order}i4")[0]))
+        names = [bytes(labels[at : at + size]).partition(b"\0")[0].decode() for at in range(0, len(labels), size)]
+        held = iter([_value(path, part, order, depth + 1) for _, part in values])
+        rows = (
+            [dict(zip(names, row, strict=False)) for row in zip(*[held] * len(names), strict=True)] if names else [{}]
+        )
+        return rows[0] if math.prod(shape) == 1 else rows
+    if kind == _CELL:
+        return [_value(path, part, order, depth + 1) for _, part in parts]
+    if kind not in _CLASSES:
+        refuse(path, f"holds {_NOT_NUMBERS.get(kind, 'something else')}", "save numbers, text, cells and structures")
+    values_ = [np.frombuffer(part, f"{order}{_STORED[stored]}") for stored, part in parts]
+    if kind == 4:
+        return "".join(map(chr, values_[0].tolist())) if values_ else ""
+    return values_[0].astype(_CLASSES[kind]).reshape(shape, order="F")
+
+
 _STORED = {
     1: "i1",
     2: "u1",
@@ -115,7 +165,8 @@ _STORED = {
 }  # as the samples are stored, by the tag's number; the last three are text
 _CLASSES = {4: "U1", 6: "f8", 7: "f4", 8: "i1", 9: "u1", 10: "i2", 11: "u2", 12: "i4", 13: "u4", 14: "i8", 15: "u8"}
 _NOT_NUMBERS = {1: "cells", 2: "a structure", 3: "an object", 5: "a sparse matrix"}
-_STRUCTURE, _MATRIX, _COMPRESSED = 2, 14, 15
+_CELL, _STRUCTURE, _MATRIX, _COMPRESSED = 1, 2, 14, 15
+_DEEPEST = 20  # structures within each other
 
 
 def _elements(path: Path, content: memoryview, order: str) -> Iterator[tuple[int, memoryview]]:

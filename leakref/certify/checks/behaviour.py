@@ -72,7 +72,7 @@ def _any_window(subject: Subject) -> str:
     )
 
 
-@check("behaviour", "protocol", ABSOLUTE, [Case("all-stages")])
+@check("behaviour", "protocol", ABSOLUTE, [Case("all-stages")], watched=True)
 def check_input(subject: Subject, case: Case) -> Outcome:
     """A code that tapers its caller's array in place, or leaves anything behind where it was not asked to write, spoils
     whatever is done with the data next; what it did during the whole run is reported here."""
@@ -93,7 +93,7 @@ def check_input(subject: Subject, case: Case) -> Outcome:
     )
 
 
-@check("behaviour", "protocol", ABSOLUTE, [Case("twice")])
+@check("behaviour", "protocol", ABSOLUTE, [Case("twice")], watched=True)
 def check_deterministic(subject: Subject, case: Case) -> Outcome:
     """The same input twice gives the same bits: a start drawn at random, or something kept from the call before, makes
     a result that cannot be checked."""

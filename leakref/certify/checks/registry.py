@@ -15,7 +15,7 @@ from leakref.certify.checks import inputs
 from leakref.certify.checks.draw import PUBLISHED
 from leakref.certify.checks.identity import identify
 from leakref.certify.subject.frames import Subject
-from leakref.certify.verdict import Finding, Unanswered, Verdict
+from leakref.certify.verdict import Absent, Finding, Unanswered, Verdict
 
 __all__ = ["CHECKS", "FAMILIES", "Case", "Check", "Outcome", "check"]
 
@@ -75,6 +75,8 @@ class Check:
     function: CheckFunction
     cases: tuple[Case, ...]
     stage: str = "extract"
+    watched: bool = False
+    """Whether only who watches the code at work can tell (`Subject.watched`)."""
 
     def ids(self) -> Iterator[tuple[str, Case]]:
         """Ids of its findings, `family.name[case]`, and their cases."""
@@ -95,6 +97,8 @@ class Check:
         )
         if lacking := [name.replace("_", " ") for name in case.water if name not in subject.told]:
             return replace(blank, verdict=Verdict.UNSUPPORTED, message=f"is not told the {' and '.join(lacking)}")
+        if self.watched and not subject.watched:
+            return replace(blank, verdict=Verdict.UNSUPPORTED, message="only watching can tell, and nobody watched")
         identify(subject)
         subject.calls.clear()
         subject.gaps = ""
@@ -102,7 +106,8 @@ class Check:
             with inputs.asked(subject, case.seed):
                 outcome = self.function(subject, case)
         except Unanswered as nothing:
-            return replace(blank, verdict=nothing.verdict, message=nothing.message, calls=tuple(subject.calls))
+            said = Verdict.MISSING if isinstance(nothing, Absent) else nothing.verdict
+            return replace(blank, verdict=said, message=nothing.message, calls=tuple(subject.calls))
         over = outcome.over
         passed = over <= 1.0  # NaN does not pass
         if passed and subject.gaps:
@@ -132,7 +137,7 @@ CHECKS: dict[str, Check] = {}
 
 
 def check(
-    family: str, label: str, tolerance: str, cases: Iterable[Case], *, stage: str = "extract"
+    family: str, label: str, tolerance: str, cases: Iterable[Case], *, stage: str = "extract", watched: bool = False
 ) -> Callable[[CheckFunction], Check]:
     """Register `check_name(subject, case) -> Outcome` as the check `family.name`; its docstring is the reason.
 
@@ -145,7 +150,7 @@ def check(
         reason = " ".join((function.__doc__ or "").split())
         if family not in FAMILIES or not reason or identifier in CHECKS:
             raise ValueError(f"{identifier} has no family, no reason, or a twin")
-        CHECKS[identifier] = Check(identifier, family, reason, label, tolerance, function, tuple(cases), stage)
+        CHECKS[identifier] = Check(identifier, family, reason, label, tolerance, function, tuple(cases), stage, watched)
         return CHECKS[identifier]
 
     return register

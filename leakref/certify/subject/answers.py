@@ -11,9 +11,9 @@ import numpy.typing as npt
 
 from leakref._base import FloatArray
 from leakref.certify.subject.declaration import Declaration
-from leakref.certify.verdict import Unanswered, Verdict
+from leakref.certify.verdict import Refused, Unanswered, Verdict, printable
 
-__all__ = ["Velocities", "matched", "part", "refuse_bad", "rows"]
+__all__ = ["Velocities", "accepted", "matched", "part", "refuse_bad", "rows"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,6 +26,19 @@ class Velocities:
     wavenumbers: FloatArray
     values: FloatArray
     declined: npt.NDArray[Any]
+
+
+def accepted(answer: Mapping[str, Any]) -> dict[str, Any]:
+    """What an answer of status ok holds of velocities and wavenumbers. Raises Refused or Unanswered (error) for
+    others.
+    """
+    status, message = answer.get("status"), printable(answer.get("message") or "it does not say why")
+    if status == "unsupported":
+        raise Refused(message)
+    if status != "ok":
+        other = f"answered with the status {printable(status)!r}, should be ok, unsupported or error"
+        raise Unanswered(Verdict.ERROR, message if status == "error" else other)
+    return {name: answer[name] for name in ("velocities", "wavenumbers") if name in answer}
 
 
 def part(answer: Mapping[str, Any], name: str) -> Any:

@@ -36,7 +36,7 @@ from leakref._output import dump, folder, write_whole
 from leakref.certify.verdict import Unanswered, Verdict, printable
 from leakref.cubes import formats
 
-__all__ = ["Exchange"]
+__all__ = ["Exchange", "opened", "taken"]
 
 Seen = tuple[int, int, str]
 """Of an input as it was handed over: its inode, its size and its SHA-256."""
@@ -127,15 +127,7 @@ class Exchange:
         `shape` is the one it should have; only raw is given that shape here, the others keep their own, which the
         caller checks. A file that claims to hold more than there should be is refused before it is unpacked.
         """
-        path = self.output / f"{name}.f64" if self._format == "raw" else self.output
-        try:
-            stream = _opened(self.folder, path)
-        except OSError:
-            raise Unanswered(
-                Verdict.ERROR, f"there is no file {path.relative_to(self.output.parent)}, where the output should be"
-            ) from None
-        with stream:
-            return (_raw if self._format == "raw" else _packed)(stream, path, name, shape)
+        return taken(self.folder, self.output, self._format, name, shape)
 
     def check_space(self) -> None:
         """Raise OSError if the output had no room: that is no fault of the program's."""
@@ -195,12 +187,25 @@ class Exchange:
             _remove(self.folder)
 
 
+def taken(top: Path, output: Path, form: str, name: str, shape: Sequence[int]) -> npt.NDArray[Any]:
+    """The variable `name` of an `output` below the folder `top`, as `Exchange.take` has it."""
+    path = output / f"{name}.f64" if form == "raw" else output
+    try:
+        stream = opened(top, path)
+    except OSError:
+        raise Unanswered(
+            Verdict.ERROR, f"there is no file {path.relative_to(output.parent)}, where the output should be"
+        ) from None
+    with stream:
+        return (_raw if form == "raw" else _packed)(stream, path, name, shape)
+
+
 def _is_folder(path: Path) -> bool:
     """Whether it is one, and no link to one."""
     return path.is_dir() and not path.is_symlink()
 
 
-def _opened(top: Path, path: Path) -> BinaryIO:
+def opened(top: Path, path: Path) -> BinaryIO:
     """A regular file below the folder `top`, to be read; whatever is put in its place is not waited for or followed.
 
     No link on the way, no pipe, no device. Raises OSError.
@@ -231,7 +236,7 @@ def _file(number: int) -> BinaryIO:
 
 def _seen(top: Path, path: Path) -> Seen:
     """Inode, size and digest of an input as it is now."""
-    with _opened(top, path) as stream:
+    with opened(top, path) as stream:
         about = os.fstat(stream.fileno())
         return about.st_ino, about.st_size, hashlib.sha256(stream.read(about.st_size)).hexdigest()
 
@@ -241,7 +246,7 @@ def _changed(top: Path, path: Path, before: Seen) -> str:
     if not os.path.lexists(path):
         return "removed"
     try:
-        with _opened(top, path) as stream:
+        with opened(top, path) as stream:
             about = os.fstat(stream.fileno())
             if about.st_size != before[1]:  # maybe by terabytes, which are not read
                 return "altered"

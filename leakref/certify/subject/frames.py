@@ -25,10 +25,23 @@ from leakref.sea import Components
 from leakref.window import WINDOWS
 from leakref.window import window as named_window
 
-__all__ = ["ASKED", "BOTTOMLESS", "GRAVITY", "OWN", "PEAK", "Call", "Subject", "Velocities", "waves_in_words"]
+__all__ = [
+    "ASKED",
+    "BOTTOMLESS",
+    "GRAVITY",
+    "OUTPUTS",
+    "OWN",
+    "PEAK",
+    "Call",
+    "Subject",
+    "Velocities",
+    "waves_in_words",
+]
 
 BOTTOMLESS = 100.0
 """The k0 h that a code which is handed a depth is handed for deep water: tanh(k h) is 1 for all waves in the shells."""
+OUTPUTS = {"sea": "eta", "spectrum": "S", "synthesize": "eta", "window": "w"}
+"""What the array is called that a stage gives."""
 OWN = "own"
 """Stands for the method of a code that names none."""
 ASKED = "nsp"
@@ -59,6 +72,9 @@ class Subject:
     of the wrong form raises Unanswered (fail) and says what it should be.
     """
 
+    watched = True
+    """Whether it is seen at work: what it does to its input, and whether it says the same twice."""
+
     def __init__(self, declaration: Declaration) -> None:
         self.declaration = declaration
         self.violations: list[str] = []
@@ -82,6 +98,16 @@ class Subject:
         """What was measured in the random seas that it has made, by the sea: several checks look at the same ones."""
         self.handled = 0.0
         """Samples of all cubes that it was asked for, times wavenumbers: what the judging cost, on any machine."""
+
+    def shape_of(self, stage: str, arrays: Mapping[str, Any], parameters: Mapping[str, Any]) -> tuple[int, ...]:
+        """Of the array that a stage gives, in its axes: none for `extract`, which gives rows."""
+        if stage == "spectrum":
+            return tuple(np.shape(arrays["eta"]))
+        if stage == "synthesize":
+            return tuple(np.size(arrays[axis]) for axis in self.declaration.axes)
+        if stage == "sea":
+            return tuple(parameters["shape"]["xyt".index(axis)] for axis in self.declaration.axes)
+        return (int(parameters["size"]),) if stage == "window" else ()
 
     def _work(self, stage: str, arrays: dict[str, Any], parameters: dict[str, Any]) -> Mapping[str, Any]:
         raise NotImplementedError

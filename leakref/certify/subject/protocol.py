@@ -24,12 +24,13 @@ from typing import Any, Self
 import numpy as np
 
 from leakref._base import LeakrefError, Trouble
+from leakref.certify.subject.answers import accepted
 from leakref.certify.subject.child import Breach, Child
 from leakref.certify.subject.declaration import Declaration
 from leakref.certify.subject.exchange import Exchange
-from leakref.certify.subject.frames import Subject
+from leakref.certify.subject.frames import OUTPUTS, Subject
 from leakref.certify.subject.seas import Sea
-from leakref.certify.verdict import Refused, Unanswered, Verdict, printable
+from leakref.certify.verdict import Unanswered, Verdict, printable
 from leakref.ending import last_resorts
 from leakref.grid import Grid
 from leakref.sea import aligned_waves
@@ -43,7 +44,6 @@ FORMATS = ("mat", "npz", "raw")
 """Of arrays in files, as they are offered to the program, which chooses one in its declaration."""
 STRIKES = 3
 """Breaches in a row after which nothing more is asked."""
-_OUTPUTS = {"sea": "eta", "spectrum": "S", "synthesize": "eta", "window": "w"}
 
 
 class HarnessBroken(LeakrefError):
@@ -265,10 +265,10 @@ class ProcessSubject(Subject):
             )
         self._run += 1
         given, output = self._exchange.give(self._run, self.declaration.format, arrays)
-        shape = self._shape(stage, arrays, parameters)
+        shape = self.shape_of(stage, arrays, parameters)
         if self.declaration.format == "raw":
             shapes = {name: np.shape(value) for name, value in arrays.items()}
-            parameters = {**parameters, "shapes": shapes | ({_OUTPUTS[stage]: shape} if shape else {})}
+            parameters = {**parameters, "shapes": shapes | ({OUTPUTS[stage]: shape} if shape else {})}
         request = {
             "op": "run",
             "id": self._run,
@@ -280,10 +280,9 @@ class ProcessSubject(Subject):
         try:
             self._exchange.note("request.json", request)
             answer = self._asked(request)
-            self._exchange.note("answer.json", answer)
             if shape:
-                return {_OUTPUTS[stage]: self._exchange.take(_OUTPUTS[stage], shape)}
-            return {name: answer[name] for name in ("velocities", "wavenumbers") if name in answer}
+                return {OUTPUTS[stage]: self._exchange.take(OUTPUTS[stage], shape)}
+            return answer
         except Breach as breach:
             said = self._blamed(breach)
             self._exchange.check_space()
@@ -321,29 +320,11 @@ class ProcessSubject(Subject):
             f"{request['stage']} altered its input {printable(name, 40)}"
             for name in (altered[:9] if isinstance(altered, list) else ())
         ]
-        status, message = answer.get("status"), printable(answer.get("message") or "it does not say why")
-        if status == "error":
+        if answer.get("status") == "error":
             self._exchange.check_space()
-        if status == "unsupported":
-            raise Refused(message)
-        if status != "ok":
-            raise Unanswered(
-                Verdict.ERROR,
-                message
-                if status == "error"
-                else f"answered with the status {printable(status)!r}, should be ok, unsupported or error",
-            )
-        return answer
-
-    def _shape(self, stage: str, arrays: Mapping[str, Any], parameters: Mapping[str, Any]) -> tuple[int, ...]:
-        """Of the output: none for `extract`, whose answer is on the line."""
-        if stage == "spectrum":
-            return tuple(np.shape(arrays["eta"]))
-        if stage == "synthesize":
-            return tuple(np.size(arrays[axis]) for axis in self.declaration.axes)
-        if stage == "sea":
-            return tuple(parameters["shape"]["xyt".index(axis)] for axis in self.declaration.axes)
-        return (int(parameters["size"]),) if stage == "window" else ()
+        found = accepted(answer)
+        self._exchange.note("answer.json", answer)
+        return found
 
     def _blamed(self, nothing: Unanswered) -> str:
         """Why there is no answer, with the last words of the program if it still has any to say."""

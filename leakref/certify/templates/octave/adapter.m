@@ -42,8 +42,9 @@ function c = extract(eta, p)
       continue
     end
     [i, m] = find(power(shell, :) >= 0.2 * largest);
-    direction = [kx(shell(i))(:), ky(shell(i))(:)];
-    shift = omega(m)(:) - sqrt(p.gravity * k(shell(i))(:) .* tanh(p.depth * k(shell(i))(:)));
+    strong = shell(i(:));
+    direction = [kx(strong), ky(strong)];
+    shift = reshape(omega(m), [], 1) - sqrt(p.gravity * k(strong) .* tanh(p.depth * k(strong)));
     normal = direction' * direction;
     known = eig(normal);
     if min(known) > 1e-9 * max(known)  % waves in one direction say nothing of the current across it

@@ -1,0 +1,163 @@
+"""The questions of certify, found by asking: every check is run on a subject that keeps what it is asked.
+
+Some checks ask further only if an answer was wrong, or lacking, or if the code works as one of the reference's methods.
+So each is run on every kind of answer there is: numbers that are never right, none at all, and both for each method
+that a code may turn out to be. What can still be asked beyond that hangs on an answer in a way that nobody foresaw, and
+is `unsupported` where it is marked (`replaying`).
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from leakref._output import dump
+from leakref.certify.checks.draw import PUBLISHED
+from leakref.certify.checks.identity import identify
+from leakref.certify.checks.registry import Case, Check
+from leakref.certify.runner import select
+from leakref.certify.subject.declaration import Declaration
+from leakref.certify.subject.frames import OUTPUTS, OWN, Subject
+from leakref.golden.sets import NEWEST
+from leakref.methods import METHODS
+
+__all__ = ["IDENTITY", "LARGEST", "Key", "Question", "Recorder", "content", "key_of", "questions", "watched"]
+
+IDENTITY = "identity"
+"""The id of the question by which a code is held to digits, where no check asks it as well."""
+LARGEST = 150e6
+"""Bytes of the quick examination, whatever is declared."""
+Keep = Callable[[str, Mapping[str, Any]], object]
+Key = tuple[str, str, str]
+"""What a question is known by: its stage, the digest of its arrays, its parameters as JSON."""
+_WRONG = 1e3  # in units of any code: no current, and too far off for a score to mean anything
+
+
+@dataclass(frozen=True)
+class Question:
+    """One request, put once however many checks ask it.
+
+    - `id`: that of the first finding it is for, and `#2`, `#3` where that asks more; `checks`: of all findings.
+    - `stage`, `parameters`: as in a run of protocol 1; `input`: the digest of its arrays, empty if there are none.
+    - `shape`: of the array that is to come back, empty for velocities.
+    """
+
+    id: str
+    stage: str
+    input: str
+    parameters: Mapping[str, Any]
+    shape: tuple[int, ...]
+    checks: tuple[str, ...]
+
+    @property
+    def key(self) -> Key:
+        """What it is known by."""
+        return self.stage, self.input, dump(self.parameters)
+
+
+def content(arrays: Mapping[str, Any]) -> str:
+    """SHA-256 of arrays by name, of their shapes and float64 values, whatever file they stand in; empty for none."""
+    if not arrays:
+        return ""
+    digest = hashlib.sha256()
+    for name in sorted(arrays):
+        values = np.ascontiguousarray(arrays[name], dtype="<f8")
+        digest.update(f"{name}{values.shape}\0".encode() + values.tobytes())
+    return digest.hexdigest()
+
+
+def key_of(stage: str, arrays: Mapping[str, Any], parameters: Mapping[str, Any]) -> Key:
+    """What a request is known by."""
+    return stage, content(arrays), dump(parameters)
+
+
+class Recorder(Subject):
+    """A subject that keeps what it is asked in `found`, and answers so that a check goes on.
+
+    `keep` is called with the digest and the arrays of each input that is new, in the order in which they are asked.
+    """
+
+    watched = False
+
+    def __init__(self, declaration: Declaration, keep: Keep) -> None:
+        super().__init__(declaration)
+        self.found: dict[Key, Question] = {}
+        self._keep, self._inputs, self._asked = keep, set[str](), 0
+        self.check = IDENTITY
+        """The id of the finding that is asked for."""
+        self.silent = False
+        """Whether it answers nothing, in place of what is wrong."""
+
+    def _work(self, stage: str, arrays: dict[str, Any], parameters: dict[str, Any]) -> Mapping[str, Any]:
+        key = key_of(stage, arrays, parameters)
+        shape = self.shape_of(stage, arrays, parameters)
+        known = self.found.get(key)
+        if known is None:
+            if key[1] and key[1] not in self._inputs:
+                self._inputs.add(key[1])
+                self._keep(key[1], arrays)
+            count = sum(question.checks[0] == self.check for question in self.found.values())
+            name = self.check if not count else f"{self.check}#{count + 1}"
+            self.found[key] = Question(name, stage, key[1], dict(parameters), shape, (self.check,))
+        elif self.check not in (*known.checks, IDENTITY):
+            self.found[key] = replace(known, checks=(*known.checks, self.check))
+        return self._answer(stage, shape, parameters)
+
+    def _answer(self, stage: str, shape: tuple[int, ...], parameters: Mapping[str, Any]) -> Mapping[str, Any]:
+        """Velocities that are another each time, so that nothing agrees with anything; or what is not zero."""
+        self._asked += 1
+        if stage != "extract":
+            return {OUTPUTS[stage]: np.full(shape, 1.0)}
+        count = 1 if self.declaration.band else len(parameters["wavenumbers"])
+        row = None if self.silent else [_WRONG * self._asked, -_WRONG * (self._asked + 1)]
+        return {"velocities": [row] * count, "wavenumbers": parameters["wavenumbers"][:count]}
+
+    def ask_all(self, check: Check, case: Case, follow: bool) -> None:
+        """Have a check put its questions, to each kind of code that this one may turn out to be; with `follow` also
+        those that follow where nothing is answered.
+        """
+        self.check = f"{check.id}[{case.id}]"
+        named = self.declaration.methods
+        kinds = [("", frozenset[str]()), ("", frozenset(METHODS))]
+        if not named:
+            kinds = [(OWN, frozenset()), *((name, frozenset({name})) for name in METHODS)]
+        for reproduces, alike in kinds if self.offers("extract") else kinds[:1]:
+            self.reproduces, self.alike, self.silent, before = reproduces, alike, False, self._asked
+            check(self, case)
+            if follow and self._asked > before and check.stage == "extract":
+                self.silent = True
+                check(self, case)
+
+
+def questions(
+    declaration: Declaration,
+    keep: Keep = lambda digest, arrays: None,
+    *,
+    profile: str = "quick",
+    golden: int = NEWEST,
+    seed: int = PUBLISHED,
+    after_each: Callable[[], object] = lambda: None,
+) -> list[Question]:
+    """All questions that `certify` may put to a code of that declaration, each once, in the order of the checks.
+
+    `keep` is called with each new input as it is made, `after_each` after each check. In the quick profile a code of
+    which two hold, that it is told the depth, is told the tension, and tapers nothing, is asked so much (`LARGEST`)
+    that it is not shown twelve waves where two gave no velocity.
+    """
+    recorder = Recorder(declaration, keep)
+    follow = profile == "full" or len(declaration.told) + (not declaration.tapers) < 2
+    for check, case in select(profile=profile, golden=golden, seed=seed):
+        recorder.ask_all(check, case, follow)
+        after_each()
+    recorder.check, recorder.alike, recorder.silent = IDENTITY, None, False
+    identify(recorder)
+    return list(recorder.found.values())
+
+
+def watched(profile: str = "quick") -> list[str]:
+    """The findings that no examination can make: only who watches the code can tell."""
+    return [f"{check.id}[{case.id}]" for check, case in select(profile=profile) if check.watched]
