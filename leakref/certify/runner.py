@@ -98,7 +98,12 @@ def certify(
 
     def asked(subject: Subject) -> list[int]:
         """Of the checks. What a code that knows one water only is not asked does not stand on its certificate."""
-        return [n for n, (_, case) in enumerate(checks) if not case.water or subject.told]
+        own = subject.declaration.methods
+        return [
+            n
+            for n, (_, case) in enumerate(checks)
+            if (not case.water or subject.told) and (not case.method or case.method in own)
+        ]
 
     def open_and_work(session: AbstractContextManager[Subject]) -> None:
         with session as subject:

@@ -17,6 +17,7 @@ from typing import Any
 
 from leakref._base import LeakrefError
 from leakref.altered import Change, altered
+from leakref.certify.strength import beside
 from leakref.certify.strength.fault import (
     CENTRES,
     DEEP_ROOT,
@@ -374,8 +375,8 @@ _BEHAVIOUR = (
     Fault("rounded-answer", "behaviour", "recovery", "velocities are rounded to one decimal",
           (answer("np.round(FOUND, 1)"),)),
 )
-FAULTS: dict[str, Fault] = {fault.id: replace(fault, killing_input=KILLING_INPUT_OF.get(fault.id, "")) for fault in (
-    *_FRAME, *_UNITS, *_SYNTHESIS, *_WINDOW, *_SPECTRUM, *_SHELL, *_WATER, *_NSP, *_LS, *_BEHAVIOUR)}
+FAULTS: dict[str, Fault] = {f.id: replace(f, killing_input=KILLING_INPUT_OF.get(f.id, f.killing_input)) for f in (
+    *_FRAME, *_UNITS, *_SYNTHESIS, *_WINDOW, *_SPECTRUM, *_SHELL, *_WATER, *_NSP, *_LS, *beside.FAULTS, *_BEHAVIOUR)}
 """Every fault by id, stage by stage."""
 
 
@@ -385,4 +386,5 @@ def implementation(identifier: str) -> Any:
         raise LeakrefError("faults", f"no fault is called {identifier!r}", "`leakref strength --json` lists them all")
     fault = FAULTS[identifier]
     inner = fault.instead() if fault.instead else altered(fault.changes).chain.Reference()
-    return Named(inner, f"fault:{identifier}", null=identifier != "nan-as-number")
+    declared = beside.offering(fault.methods)
+    return Named(inner, f"fault:{identifier}", null=identifier != "nan-as-number", **declared)
