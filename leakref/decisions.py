@@ -103,6 +103,12 @@ DECISIONS = _register(
     ("How does an adaptive width grow with the group velocity?", "a = 4 sqrt(domega^2 + (cg dk)^2) of the shell's own "
      "wavenumber: what leaks along k by a bin is as far off in omega as cg dk, and is independent of what leaks along "
      "omega.", "nspadaptive.spread"),
+    ("Which thresholds has iterative least squares? (Of Senet et al. 2001 nothing but its summary could be read.)",
+     "0.2 of the shell's largest power for the first guess, which so is the LS of the paper; 0.02, a tenth of that, "
+     "afterwards. All bins count alike.", "lsiterative.LOWER"),
+    ("Which bins does iterative least squares take up, and when does it end?", "Those within a = 4 domega of either "
+     "branch of the surface of the velocity so far, the nearer one; until the bins no longer change. If they never "
+     "settle, or the first guess has no number, there is none.", "lsiterative.REACH"),
 )
 """Every decision by id, D1 to D19 as first laid down, those after as they were found, D26 to D32 of other water, D33 on
 of methods beside the paper's."""

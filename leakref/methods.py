@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
-from leakref import leastsquares, nsp, nspadaptive, nspgrid, pcs
+from leakref import leastsquares, lsiterative, nsp, nspadaptive, nspgrid, pcs
 from leakref._base import FloatArray, LeakrefError
 from leakref.dispersion import Water
 from leakref.grid import Grid
@@ -50,7 +50,7 @@ METHODS = {record.id: record for record in (
            Note.NO_SIGNAL | Note.UNCONVERGED, errs_with_the_sea=False, backwards=True),
     Method("ls", "LS", "least squares", leastsquares.extract, {"threshold": leastsquares.THRESHOLD}, None,
            Note.NO_SIGNAL | Note.UNCONVERGED | Note.TOO_FEW_BINS, exact_on_bins=True),  # omega >= 0 only (decision D19)
-    *(Method(**module.METHOD) for module in (nspgrid, nspadaptive, pcs)),
+    *(Method(**module.METHOD) for module in (nspgrid, nspadaptive, pcs, lsiterative)),
 )}  # fmt: skip
 """Every method by id."""
 DEFAULT = ("nsp", "ls")

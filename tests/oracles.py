@@ -219,3 +219,29 @@ def crest(whole, bin_widths: Sequence[float], wavenumber: float, threshold: floa
             mean = math.fsum(m * row[m] for m in three) / math.fsum(row[m] for m in three)
             points.append((kx, ky, mean * bin_widths[2] - math.sqrt(math.hypot(kx, ky))))
     return points
+
+
+def iterative_least_squares(whole, bin_widths: Sequence[float], wavenumber: float) -> tuple[tuple[float, float], int]:
+    """Bins above 0.02 within 4 domega of the nearer branch, again and again; and how often they changed."""
+    (u, v), _ = least_squares(whole, bin_widths, wavenumber, 0.2)
+    inside = _in_shell(whole, bin_widths, wavenumber)
+    largest = max(max(row) for *_, row in inside)
+    before: list[tuple[float, float, float]] = []
+    for count in range(100):
+        taken = []
+        for kx, ky, row in inside:
+            for m, power in enumerate(row):
+                if power < 0.02 * largest:
+                    continue
+                omega0, omega = math.sqrt(math.hypot(kx, ky)), m * bin_widths[2]
+                off = min((omega - s * omega0 for s in (1, -1)), key=lambda w: abs(w - kx * u - ky * v))
+                if abs(off - kx * u - ky * v) <= 4 * bin_widths[2]:
+                    taken.append((kx, ky, off))
+        if taken == before:
+            return (u, v), count
+        before = taken
+        xx, xy, yy, xb, yb = (
+            math.fsum(terms) for terms in zip(*((p * p, p * q, q * q, p * w, q * w) for p, q, w in taken), strict=True)
+        )
+        u, v = (yy * xb - xy * yb) / (xx * yy - xy * xy), (xx * yb - xy * xb) / (xx * yy - xy * xy)
+    raise AssertionError("the bins never settle")

@@ -24,6 +24,7 @@ from leakref import (
     fast,
     fourier,
     leakage,
+    lsiterative,
     nsp,
     nspadaptive,
     nspgrid,
@@ -185,6 +186,42 @@ def test_a_wave_half_way_between_frequencies_is_noted():
     waves = Components([3 * kx, -kx], [ky, 3 * ky], [12.5 * domega, 11 * domega], [1.0, 1.0], [0.0, 1.0])
     found = pcs.extract(leakage.spectrum(waves, GRID, "hann"), 0.6, gravity=1.0)
     assert Note.THRESHOLD in found.notes[0]
+
+
+# ---------------------------------------------------------------- iterative least squares
+
+
+@pytest.mark.parametrize("grid", RECTANGULAR, ids=str)
+def test_iterative_least_squares_is_the_literal_repetition(grid):
+    spectrum, whole = noise(grid)
+    found = lsiterative.extract(spectrum, 1.05, gravity=1.0)
+    expected, steps = oracles.iterative_least_squares(whole, grid.bin_widths, 1.05)
+    assert found.velocities[0] == pytest.approx(expected, abs=1e-11)
+    assert steps >= 1
+
+
+def test_weak_bins_near_the_surface_count_and_others_do_not():
+    """Two strong waves fix the first guess; a weak one near their surface pulls, one far from it does not."""
+    kx, ky, domega = GRID.bin_widths
+    two, current = aligned_waves(GRID, [(6, 2, 12), (-2, 6, 11)], gravity=1.0)
+    k = np.array([5 * kx, -3 * ky])
+    there = float(np.sqrt(np.hypot(*k)) + k @ current) / domega
+    moved = {}
+    for name, off, amplitude in (("near", 2, 0.25), ("far", 7, 0.25), ("faint", 2, 0.1)):
+        omega = (round(there) + off) * domega
+        waves = Components(*(np.append(getattr(two, n), v) for n, v in zip(
+            ("kx", "ky", "omega", "amplitude", "phase"), (*k, omega, amplitude, 0.0), strict=True)))  # fmt: skip
+        found = lsiterative.extract(leakage.spectrum(waves, GRID, "box"), 1.2, gravity=1.0).velocities[0]
+        moved[name] = float(np.abs(found - current).max())
+    assert moved["near"] > 1e-3
+    assert max(moved["far"], moved["faint"]) < 1e-10
+
+
+def test_without_a_first_guess_there_is_no_number():
+    wave, _ = aligned_waves(GRID, [(3, 1, 12)], gravity=1.0)
+    found = lsiterative.extract(leakage.spectrum(wave, GRID, "box"), 0.6, gravity=1.0)
+    assert found.notes == (Note.TOO_FEW_BINS | Note.FLAT,)
+    assert np.isnan(found.velocities).all()
 
 
 # ---------------------------------------------------------------- start from a lattice

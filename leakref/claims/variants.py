@@ -255,6 +255,12 @@ VARIANTS: dict[str, Variant] = {v.id: v for v in (
     Variant("half-the-spread", "D36", "a = 4 sqrt(domega^2 + (cg dk / 2)^2)",
             _one("nspadaptive", "along_k / grid.frequency_resolution", "along_k / (2 * grid.frequency_resolution)"),
             **_beside("nsp-adaptive")),
+    Variant("iterated-from-0.05", "D37", "weak bins from 0.05 of the largest power on, not 0.02",
+            _one("lsiterative", "LOWER = 0.02", "LOWER = 0.05"), **_beside("ls-iterative")),
+    Variant("iterated-from-0.005", "D37", "weak bins from 0.005 of the largest power on, not 0.02",
+            _one("lsiterative", "LOWER = 0.02", "LOWER = 0.005"), **_beside("ls-iterative")),
+    Variant("iterated-within-2", "D38", "bins within 2 domega of the dispersion surface, not 4",
+            _one("lsiterative", "REACH = 4.0", "REACH = 2.0"), **_beside("ls-iterative")),
 )}
 """Every variant that is computed, by id."""
 

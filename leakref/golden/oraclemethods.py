@@ -77,10 +77,32 @@ def _polar(shell: oracle.Shell, *unused: Any) -> list[Number]:
     return _NONE
 
 
+def _iterative(shell: oracle.Shell, *unused: Any) -> list[Number]:
+    """Bins above a fifth, then those above a fiftieth within 4 domega of either branch (decisions D37, D38)."""
+    c, largest = oracle.least_squares(shell), max(max(row) for row in shell.f) ** 2
+    before: list[tuple[int, int, int]] = []
+    bins = [(n, m) for n, row in enumerate(shell.f) for m, value in enumerate(row) if value**2 >= largest / 50]
+    for _ in range(100):
+        if mp.isnan(c[0]):
+            return _NONE
+        taken = []
+        for n, m in bins:
+            moved = shell.omega[m] - shell.kx[n] * c[0] - shell.ky[n] * c[1]
+            sign = 1 if abs(moved - shell.omega0[n]) <= abs(moved + shell.omega0[n]) else -1
+            if abs(moved - sign * shell.omega0[n]) <= shell.width:
+                taken.append((n, m, sign))
+        if taken == before:
+            return c
+        before = taken
+        c = _fit([(shell.kx[n], shell.ky[n], shell.omega[m] - s * shell.omega0[n], mpf(1)) for n, m, s in taken])
+    return _NONE
+
+
 _ORACLES: dict[str, Callable[..., list[Number]]] = {
     "nsp": lambda shell, start, *_: oracle.newton(shell, start),
     "ls": lambda shell, *_: oracle.least_squares(shell),
     "nsp-grid": lambda shell, start, *_: oracle.newton(shell, start),
     "nsp-adaptive": _adaptive,
     "pcs": _polar,
+    "ls-iterative": _iterative,
 }

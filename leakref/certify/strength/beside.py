@@ -39,10 +39,10 @@ def _of(method: str, module: str, *rows: tuple[str, str, str, str, str, str]) ->
 
 
 _PAIR, _VECTOR, _SEA = "recovery.pair[even-1]", "conformance.extract[{}-{}]", "conformance.sea[{}-{}]"
-_GRID, _ADAPTIVE, _PCS = (
+_GRID, _ADAPTIVE, _PCS, _ITERATED = (
     [case.format(name, method) for case, name in ((_SEA, "strong-hann"), (_SEA, "edges-box"))]
     + [_VECTOR.format(method, name) for name in ("swell", "prime")]
-    for method in ("nsp-grid", "nsp-adaptive", "pcs")
+    for method in ("nsp-grid", "nsp-adaptive", "pcs", "ls-iterative")
 )  # the strong sea, the sea with bins on edges, two vectors
 FAULTS: tuple[Fault, ...] = (
     *_of("nsp-grid", "nspgrid",
@@ -95,5 +95,20 @@ FAULTS: tuple[Fault, ...] = (
          ("pcs-magnitude-weighted", "conformance", "the crest is weighted by magnitude instead of power", _PCS[2],
           "np.sum(shell.omega[m] * part, axis=1) / part.sum(axis=1)",
           "np.sum(shell.omega[m] * np.sqrt(part), axis=1) / np.sqrt(part).sum(axis=1)")),
+    *_of("ls-iterative", "lsiterative",
+         ("iterated-sign", "signs", "the shift in the fit of the weak bins has the wrong sign", _PAIR,
+          "(omega - sign * intrinsic)[here]", "(sign * intrinsic - omega)[here]"),
+         ("iterated-factor-two", "recovery", "the current of the weak bins is twice as large", _PAIR,
+          "np.linalg.solve(normal, near @ shift)", "np.linalg.solve(normal, 2 * near @ shift)"),
+         ("iterated-never", "conformance", "the first guess is the answer", _ITERATED[2],
+          "velocity = np.linalg.solve(normal, near @ shift)", "velocity = guess.velocity"),
+         ("iterated-in-still-water", "conformance", "bins near the dispersion surface of still water are taken",
+          _ITERATED[1], "moved = omega - velocity @ k", "moved = omega"),
+         ("iterated-reach-fixed", "conformance", "the reach is a fixed number instead of 4 domega", _ITERATED[3],
+          "reach * shell.omega[1]", "0.2"),
+         ("iterated-no-lower", "conformance", "all bins near the surface count, however weak", _ITERATED[2],
+          "np.nonzero(power >= lower)", "np.nonzero(power >= 1e-12)"),
+         ("iterated-lower-of-magnitude", "conformance", "the lower threshold is of the magnitude instead of the power",
+          _ITERATED[2], "np.nonzero(power >= lower)", "np.nonzero(power >= lower**2)")),
 )  # fmt: skip
 """By method, in the order of the register."""
