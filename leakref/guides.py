@@ -27,6 +27,7 @@ TOPICS = (
     "pytest",
     "tracking",
     "data",
+    "methods",
     "paper",
     "decisions",
     "adding",
