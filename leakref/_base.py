@@ -21,6 +21,7 @@ __all__ = [
     "Trouble",
     "deviation_of_known",
     "finite",
+    "fraction",
     "installed_with",
     "integer",
     "levelled",
@@ -168,6 +169,13 @@ def positive(call: str, **values: float | Iterable[float]) -> None:
                 f"{name} = {value} is not between {1 / LARGEST:g} and {LARGEST:g}",
                 f"give {name} in units that bring it nearer to 1",
             )
+
+
+def fraction(call: str, **values: object) -> None:
+    """Refuse any named value that is no part of the largest power: not above zero, or above one."""
+    for name, value in values.items():
+        if not (isinstance(value, int | float) and 0 < value <= 1):
+            raise LeakrefError(call, f"{name} = {value}", "give a part of the largest power, above 0 and at most 1")
 
 
 def vector(call: str, **vectors: npt.ArrayLike) -> None:

@@ -93,7 +93,7 @@ class Reference:
         from leakref import __version__
 
         windows = list(WINDOWS)
-        can = {"extract": {"methods": list(methods.METHODS), "windows": windows, "resolves": "wavenumber"},
+        can = {"extract": {"methods": list(methods.DEFAULT), "windows": windows, "resolves": "wavenumber"},
                "spectrum": {"windows": windows}, "window": {"names": windows}, "synthesize": {}}  # fmt: skip
         return {"name": "leakref", "version": __version__, "units": "scaled", "axes": "xyt", "y": "up",
                 "direction": "to", "fixed": [], "can": can}  # fmt: skip

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = ["DECISIONS", "SLIPS", "Decision"]
+__all__ = ["DECISIONS", "PRACTICE", "SLIPS", "Decision"]
 
 
 @dataclass(frozen=True)
@@ -89,8 +89,39 @@ DECISIONS = _register(
      "h), the mean over the bins of a shell, or of a whole band with one current and one depth. k h is looked for from "
      "pi / 10 of the shortest waves to pi of the longest, the usual limits of shallow and deep water; the highest "
      "maximum within counts, others are noted; where N hardly depends on h there is none.", "depth.infer"),
+    ("Which frequency has a point of the polar current shell? (Of Shen et al. 2015 the abstract could be read.)", "For "
+     "each column the mean frequency, weighted by power, of its strongest bin and the two beside it: a bin alone is as "
+     "coarse as the velocity resolution.", "pcs.optimum"),
+    ("Which points are the polar current shell's, and what is a robust fit of its sine curve?", "Columns whose largest "
+     "power is at least 0.2 of the shell's, as for LS; Tukey's biweight with a = 4 domega, from the least squares of "
+     "all. All columns of a shell are fitted together, each with its own k; omega >= 0 on the positive branch, as for "
+     "LS.", "pcs.OUTLIER"),
+    ("From which lattice does the search start, if not from zero current?", "-1 ... 1 c0 in steps of 0.1 along both "
+     "axes, as far as N means anything: the co-author's public code has the same in m/s, which is another lattice in "
+     "every sea. Of points with the same N, to 1e-9, the slowest counts. It is N that is compared, where that code has "
+     "signal over noise; the rest of the search is that of D6.", "nspgrid.start"),
+    ("How does an adaptive width grow with the group velocity?", "a = 4 sqrt(domega^2 + (cg dk)^2) of the shell's own "
+     "wavenumber: what leaks along k by a bin is as far off in omega as cg dk, and is independent of what leaks along "
+     "omega.", "nspadaptive.spread"),
+    ("Which thresholds has iterative least squares? (Of Senet et al. 2001 nothing but its summary could be read.)",
+     "0.2 of the shell's largest power for the first guess, which so is the LS of the paper; 0.02, a tenth of that, "
+     "afterwards. All bins count alike.", "lsiterative.LOWER"),
+    ("Which bins does iterative least squares take up, and when does it end?", "Those within a = 4 domega of either "
+     "branch of the surface of the velocity so far, the nearer one; until the bins no longer change. If they never "
+     "settle, or the first guess has no number, there is none.", "lsiterative.REACH"),
 )
-"""Every decision by id, D1 to D19 as first laid down, those after as they were found, D26 to D32 of other water."""
+"""Every decision by id, D1 to D19 as first laid down, those after as they were found, D26 to D32 of other water, D33 on
+of methods beside the paper's."""
+PRACTICE = {
+    "D2": "The second Gaussian is at -omega0 + k.c, the mirror image of a real signal, as here and not as printed.",
+    "D5": "The whole space is summed, with full weight at omega = 0.",
+    "D6": "The simplex starts at the best point of a lattice of velocities (D35) and stops at MATLAB's tolerances. It "
+    "maximises signal over noise, <F G> / <G> over <F (1 - G)> / <1 - G>, F the root of the power as here.",
+    "D9": "Bins count by a Gaussian in |k| - k_i around each wavenumber, within a band cut out beforehand.",
+    "D35": "-1 ... 1 m/s in steps of 0.1 m/s in its example, the first of equal points.",
+    "D36": "The width may be any function of the wavenumber; in its example it is 0.4 rad/s for all.",
+}
+"""What the public code of the paper's co-author does, where it decides (B. K. Smeltzer, Current_Inversion_NTNU)."""
 SLIPS = {
     "printed-branch": "over the whole space N is then the same for c and -c, and where waves are swept backwards the "
     "current is lost",

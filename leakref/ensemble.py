@@ -25,7 +25,7 @@ from leakref._base import FloatArray, IntArray, deviation_of_known, mean_of_know
 from leakref.cases import Configuration
 from leakref.chain import analyse, transform
 from leakref.dispersion import velocity_resolutions
-from leakref.methods import METHODS
+from leakref.methods import DEFAULT
 from leakref.shell import Extraction, Note
 
 __all__ = ["Ensemble", "realize", "statistics_record"]
@@ -125,7 +125,7 @@ def statistics_record(e: Any, realizations: int) -> dict[str, Any]:
 
 
 def realize(
-    configuration: Configuration, realization: int, *, methods: Sequence[str] = tuple(METHODS), route: str = "B"
+    configuration: Configuration, realization: int, *, methods: Sequence[str] = DEFAULT, route: str = "B"
 ) -> dict[tuple[str, str], Extraction]:
     """One realisation: an Extraction for each (window, method), by route A (surface and FFT) or B (closed form).
 

@@ -266,7 +266,7 @@ def _claim(identifier: str) -> Explanation | None:
 
 def _decision(identifier: str) -> Explanation | None:
     """The question, the reference's answer, and how far velocities move if it is answered otherwise."""
-    from leakref.decisions import DECISIONS
+    from leakref.decisions import DECISIONS, PRACTICE
 
     decision = DECISIONS.get(identifier)
     if decision is None:
@@ -276,6 +276,7 @@ def _decision(identifier: str) -> Explanation | None:
         "kind": "a decision",
         "question": decision.question,
         "reference": decision.reference,
+        **({"co_author": PRACTICE[decision.id]} if decision.id in PRACTICE else {}),
         "where": f"leakref.{decision.where}",
         "measured": _shifts(decision.id),
         "all_of_it": f"leakref claims --decisions {decision.id}",

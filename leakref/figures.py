@@ -23,7 +23,7 @@ from leakref.cases import Configuration
 from leakref.methods import METHODS
 from leakref.window import WINDOWS
 
-__all__ = ["COLOURS", "WINDOW_WORDS", "Result", "figure", "result_figure", "save", "styled"]
+__all__ = ["COLOURS", "SIGNS", "WINDOW_WORDS", "Result", "figure", "result_figure", "save", "styled"]
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 """Okabe and Ito."""
@@ -44,6 +44,8 @@ styled = mpl.rc_context(_STYLE)
 """Decorates what draws: within it every artist has the style of the house."""
 _LINES = ("-", "--", ":", "-.")
 _MARKERS = ("", "o", "^", "s")
+SIGNS = ("o", "s", "^", "D", "v", "X")
+"""Of methods, where there are so many that their lines may lie on each other."""
 _WORDS = {
     "direction": r"$\theta_0$ = {:g}°",
     "spread": r"$\Delta\theta$ = {:g}°",
@@ -141,6 +143,9 @@ def result_figure(ensembles: Sequence[Result], title: str, *, logarithmic: bool 
             for (key, values), (what, choices) in zip(keys, looks, strict=False)
         }
         look = {"color": COLOURS[0], "lw": 1.3, "ms": 3, "markevery": 3, **look}
+        if len(methods) > 2:  # which may well lie on each other: each has a sign of its own, where no other has one
+            n = methods.index(e.method)
+            look |= {"marker": SIGNS[n % len(SIGNS)], "markevery": (n, len(methods)), "ms": 4}
         k = e.wavenumbers
         words = [
             known.get(own[key]) or _WORDS[key].format(own[key])

@@ -28,6 +28,7 @@ TOPICS = (
     "pytest",
     "tracking",
     "data",
+    "methods",
     "paper",
     "decisions",
     "adding",

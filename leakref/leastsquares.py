@@ -16,7 +16,7 @@ from functools import partial
 import numpy as np
 import numpy.typing as npt
 
-from leakref._base import LeakrefError
+from leakref._base import fraction
 from leakref.dispersion import Water, law
 from leakref.shell import HALF_WIDTH, Extraction, Note, Optimum, Shell, checked_wavenumbers, collect, nothing, shell_at
 from leakref.spectrum import Spectrum
@@ -74,8 +74,6 @@ def extract(
     `water` is the law of dispersion, or `gravity` that of deep water: one of them is given. Raises LeakrefError.
     """
     k = checked_wavenumbers(wavenumbers, "leastsquares.extract")
-    if not (isinstance(threshold, int | float) and 0 < threshold <= 1):
-        remedy = "give a part of the largest power, above 0 and at most 1"
-        raise LeakrefError("leastsquares.extract", f"threshold = {threshold}", remedy)
+    fraction("leastsquares.extract", threshold=threshold)
     shell = partial(shell_at, spectrum, water=law("leastsquares.extract", gravity, water), half_width=half_width)
     return collect("ls", k, [optimum(shell(k_i), threshold) for k_i in k])

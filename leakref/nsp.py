@@ -26,7 +26,7 @@ from leakref.spectrum import Spectrum
 
 __all__ = [
     "START", "UNKNOWN", "WIDTH", "another_basin", "characteristic_function", "extract", "leaves_the_band",
-    "normalized_scalar_product", "optimum", "remarks", "score_derivatives", "score_range",
+    "normalized_scalar_product", "optimum", "remarks", "score_derivatives", "score_range", "tabulated",
 ]  # fmt: skip
 
 WIDTH = 4.0
@@ -128,7 +128,7 @@ def score_range(shell: Shell, width: float, unit: float) -> float:
     return min(_REACH * unit, (float(shell.omega[-1]) - shell.frequency - 3 * width) / shell.wavenumber)
 
 
-def _scores(shell: Shell, velocities: FloatArray, width: float) -> FloatArray:
+def tabulated(shell: Shell, velocities: FloatArray, width: float) -> FloatArray:
     """N, up to a factor, at many velocities (n, 2) at once, to about a percent: good enough to look for basins.
 
     A column's part of the products depends on the velocity only through the centre of its Gaussian, so both
@@ -160,8 +160,8 @@ def another_basin(shell: Shell, found: FloatArray, score: float, width: float, u
     lattice = np.moveaxis(np.mgrid[-m : m + 1, -m : m + 1], 0, -1) * spacing
     inside = np.hypot(lattice[..., 0], lattice[..., 1]) <= reach
     scores = np.full(inside.shape, -np.inf)
-    scores[inside] = _scores(shell, lattice[inside], width)
-    own = _scores(shell, found[None, :], width)[0]
+    scores[inside] = tabulated(shell, lattice[inside], width)
+    own = tabulated(shell, found[None, :], width)[0]
     peaks = (scores == maximum_filter(scores, 3)) & (scores > 0.85 * own)
     peaks &= np.hypot(*np.moveaxis(lattice - found, -1, 0)) > spacing
     for index in np.argwhere(peaks)[np.argsort(-scores[peaks], kind="stable")][:6]:
@@ -172,14 +172,16 @@ def another_basin(shell: Shell, found: FloatArray, score: float, width: float, u
     return False
 
 
-def optimum(shell: Shell, width: float, unit: float, *, search: bool = True) -> Optimum:
+def optimum(
+    shell: Shell, width: float, unit: float, *, search: bool = True, start: npt.ArrayLike = (0.0, 0.0)
+) -> Optimum:
     """The maximum of N that Nelder-Mead reaches from rest, polished until the gradient vanishes (decision D6).
 
-    `width` is a, `unit` is c0. With `search`, other basins are looked for (Note.ANOTHER_BASIN).
+    `width` is a, `unit` c0, `start` another start in c0. With `search` other basins are looked for (ANOTHER_BASIN).
     """
     if shell.is_empty:
         return nothing(Note.NO_SIGNAL)
-    simplex = np.array([[0.0, 0.0], [START, 0.0], [0.0, START]])
+    simplex = np.array([[0.0, 0.0], [START, 0.0], [0.0, START]]) + np.asarray(start)
     options = {"initial_simplex": simplex, "xatol": 1e-8, "fatol": np.inf, "maxfev": 5000, "maxiter": 5000}
     fit = minimize(
         lambda c: -normalized_scalar_product(shell, c * unit, width), simplex[0], method="Nelder-Mead", options=options

@@ -35,7 +35,7 @@ from leakref._base import FloatArray, IntArray, LeakrefError, Trouble, installed
 from leakref.cases import REALIZATIONS, Configuration
 from leakref.ending import Workers
 from leakref.ensemble import Ensemble
-from leakref.methods import METHODS
+from leakref.methods import DEFAULT, METHODS
 from leakref.shell import Extraction
 
 __all__ = ["Task", "compute", "connected", "one_thread", "pool", "run", "source_digest"]
@@ -64,7 +64,7 @@ class Task:
 
     configuration: Configuration
     realization: int
-    methods: tuple[str, ...] = tuple(METHODS)
+    methods: tuple[str, ...] = DEFAULT
     route: str = "B"
 
     @property
@@ -222,7 +222,7 @@ def run(
     configurations: Sequence[Configuration],
     *,
     realizations: int = REALIZATIONS,
-    methods: Sequence[str] = tuple(METHODS),
+    methods: Sequence[str] = DEFAULT,
     route: str = "B",
     folder: Path | None = None,
     executor: Executor | None = None,

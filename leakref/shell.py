@@ -52,9 +52,9 @@ class Note(Flag):
     LEAKAGE_FLOOR = 32
     "all that lies near the fitted surface could have leaked from the strongest wave, which is elsewhere"
     THRESHOLD = 64
-    "ls: a bin is within rounding of the threshold, so that the result may jump"
+    "ls, pcs: a bin is within rounding of a threshold, or as strong as another, so that the result may jump"
     UNCONVERGED = 128
-    "nsp: no stationary maximum was reached within that range, and there is no number"
+    "nsp: no stationary maximum was reached within that range, others: none at all; and there is no number"
 
     @property
     def names(self) -> list[str]:

@@ -18,7 +18,10 @@ from leakref.certify.checks.identity import identify
 from leakref.certify.checks.inputs import Cube
 from leakref.certify.subject.frames import Subject
 from leakref.certify.subject.inprocess import InProcess
+from leakref.certify.subject.named import Named
 from leakref.certify.verdict import Refused, Unanswered, Verdict
+from leakref.methods import DEFAULT
+from leakref.window import WINDOWS
 
 __all__ = ["PRECISION", "SINGLE", "Examined", "same"]
 
@@ -158,10 +161,12 @@ def same(
         )
 
 
-def reference() -> Examined:
-    """The built-in implementation, with its modules."""
+def reference(methods: Sequence[str] = DEFAULT) -> Examined:
+    """The built-in implementation, of these methods, with its modules."""
     import leakref.leakage
     import leakref.leastsquares
     import leakref.nsp
 
-    return Examined(InProcess(chain.reference), leakref, is_reference=True)
+    can = {"extract": {"methods": list(methods), "windows": list(WINDOWS), "resolves": "wavenumber"}}
+    of_these = Named(chain.reference, "leakref", null=False, **({} if methods == DEFAULT else {"can": can}))
+    return Examined(InProcess(of_these), leakref, is_reference=True)

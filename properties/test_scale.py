@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from leakref.certify.checks.criteria import unflagged
 from leakref.certify.checks.inputs import Cube
+from leakref.methods import METHODS
 
 from .examined import PRECISION, Examined, same
 from .strategies import examples, seas
@@ -27,7 +28,7 @@ def test_two_peak_wavenumbers_give_the_same_current(examined: Examined, cube: Cu
 
 
 @examples(16)
-@given(cube=seas(shells=1), length=st.floats(-1, 1), time=st.floats(-1, 1), method=st.sampled_from(("nsp", "ls")))
+@given(cube=seas(shells=1), length=st.floats(-1, 1), time=st.floats(-1, 1), method=st.sampled_from(list(METHODS)))
 def test_units_of_length_and_time_are_free(modules: Any, cube: Cube, length: float, time: float, method: str) -> None:
     """Lengths by one factor, times by another, gravity by length over time squared: velocities by length over time, to
     1e-10 c0, where nothing is to be noted."""

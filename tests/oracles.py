@@ -194,3 +194,54 @@ def differences(function: Callable[[float, float], float], at: Sequence[float], 
         / (12 * step)
         for a, b in ((step, 0.0), (0.0, step))
     ]
+
+
+def _in_shell(whole, bin_widths: Sequence[float], wavenumber: float) -> list[tuple[float, float, list[float]]]:
+    """kx, ky and the power at every omega >= 0 of the bins in the plane with |k - wavenumber| <= 2 dk."""
+    shape, found = (len(whole), len(whole[0]), len(whole[0][0])), []
+    for i in range(-(shape[0] // 2), (shape[0] + 1) // 2):
+        for j in range(-(shape[1] // 2), (shape[1] + 1) // 2):
+            kx, ky = i * bin_widths[0], j * bin_widths[1]
+            if abs(math.hypot(kx, ky) - wavenumber) <= 2 * max(bin_widths[:2]) * (1 + 1e-12):
+                row = whole[i % shape[0]][j % shape[1]]
+                found.append((kx, ky, [abs(row[m]) ** 2 for m in range(shape[2] // 2 + 1)]))
+    return found
+
+
+def crest(whole, bin_widths: Sequence[float], wavenumber: float, threshold: float) -> list[tuple[float, float, float]]:
+    """kx, ky, and by how much the crest is off sqrt k: the mean of three bins around the strongest, by their power."""
+    inside = _in_shell(whole, bin_widths, wavenumber)
+    largest, points = max(max(row) for *_, row in inside), []
+    for kx, ky, row in inside:
+        if max(row) >= threshold * largest:
+            top = row.index(max(row))
+            three = [m for m in (top - 1, top, top + 1) if 0 <= m < len(row)]
+            mean = math.fsum(m * row[m] for m in three) / math.fsum(row[m] for m in three)
+            points.append((kx, ky, mean * bin_widths[2] - math.sqrt(math.hypot(kx, ky))))
+    return points
+
+
+def iterative_least_squares(whole, bin_widths: Sequence[float], wavenumber: float) -> tuple[tuple[float, float], int]:
+    """Bins above 0.02 within 4 domega of the nearer branch, again and again; and how often they changed."""
+    (u, v), _ = least_squares(whole, bin_widths, wavenumber, 0.2)
+    inside = _in_shell(whole, bin_widths, wavenumber)
+    largest = max(max(row) for *_, row in inside)
+    before: list[tuple[float, float, float]] = []
+    for count in range(100):
+        taken = []
+        for kx, ky, row in inside:
+            for m, power in enumerate(row):
+                if power < 0.02 * largest:
+                    continue
+                omega0, omega = math.sqrt(math.hypot(kx, ky)), m * bin_widths[2]
+                off = min((omega - s * omega0 for s in (1, -1)), key=lambda w: abs(w - kx * u - ky * v))
+                if abs(off - kx * u - ky * v) <= 4 * bin_widths[2]:
+                    taken.append((kx, ky, off))
+        if taken == before:
+            return (u, v), count
+        before = taken
+        xx, xy, yy, xb, yb = (
+            math.fsum(terms) for terms in zip(*((p * p, p * q, q * q, p * w, q * w) for p, q, w in taken), strict=True)
+        )
+        u, v = (yy * xb - xy * yb) / (xx * yy - xy * xy), (xx * yb - xy * xb) / (xx * yy - xy * xy)
+    raise AssertionError("the bins never settle")

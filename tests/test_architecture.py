@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 import leakref
+from leakref.methods import METHODS
 
 HOUSE = Path(leakref.__file__).parent
 EVERY = sorted(
@@ -37,8 +38,11 @@ ROOMS = {
     "shell": {"spectrum", "dispersion", "window"},
     "nsp": {"spectrum", "dispersion", "shell"},
     "leastsquares": {"spectrum", "dispersion", "shell"},
-    "methods": {"nsp", "leastsquares", "shell"},
 }
+# methods beside the paper's, a file each: whatever is registered
+MORE = {record.extract.__module__.rpartition(".")[2] for record in METHODS.values()} - {"nsp", "leastsquares"}
+ROOMS |= {room: {"grid", "spectrum", "dispersion", "shell", "nsp", "leastsquares"} for room in sorted(MORE)}
+ROOMS["methods"] = {"grid", "dispersion", "nsp", "leastsquares", "shell", *MORE}
 ROOMS["chain"] = {room for room in ROOMS if room != "_base"}
 ABOVE = {"cases", "ensemble", "fast"}  # all of the above, and each other
 FAST = [f"fast.{name}" for name in ("basins", "kernels", "leastsquares", "score", "spectra")]

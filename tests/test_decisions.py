@@ -23,9 +23,11 @@ from leakref.claims.shifts import Shifts, moving, rejudged, study, velocities
 from leakref.claims.stored import stored_decision, stored_decisions, turned
 from leakref.claims.variants import CONFIGURATIONS, NONE, VARIANTS
 from leakref.claims.words import above, bias, every
-from leakref.decisions import DECISIONS, SLIPS
+from leakref.decisions import DECISIONS, PRACTICE, SLIPS
 from leakref.dispersion import DEEP, velocity_resolutions
 from leakref.ensemble import Ensemble
+from leakref.explain import explain
+from leakref.methods import DEFAULT
 from leakref.shell import Note
 
 SMALL = Configuration(
@@ -251,6 +253,13 @@ def test_slips_are_variants_that_there_are():
     assert all(reason and not reason.endswith(".") for reason in SLIPS.values())
 
 
+def test_what_the_co_authors_code_does_stands_beside_the_decisions_that_it_takes():
+    assert set(PRACTICE) < set(DECISIONS)
+    assert all(words.endswith(".") for words in PRACTICE.values())
+    assert explain("D2")["co_author"] == PRACTICE["D2"]
+    assert "co_author" not in explain("D1")
+
+
 def test_what_is_kept_covers_every_variant_on_every_sea():
     kept = stored_decisions()
     assert [record["id"] for record in kept["decisions"]] == list(DECISIONS)
@@ -287,7 +296,8 @@ def test_what_is_kept_judges_every_claim_about_velocities_under_every_variant_th
     for v in (v for record in kept["decisions"] for v in record["variants"] if VARIANTS[v["id"]].paired):
         rows = [row["unflagged"] for row in v["rows"] if row["case"] == "all" and row["unflagged"]["shells"]]
         matters = max((row["resolution"]["largest"] for row in rows), default=0) > 0.1
-        assert (v["id"] in judged) == (matters and not VARIANTS[v["id"]].setting.resampled), v["id"]
+        of_paper = {*VARIANTS[v["id"]].methods} <= {*DEFAULT}
+        assert (v["id"] in judged) == (matters and of_paper and not VARIANTS[v["id"]].setting.resampled), v["id"]
 
 
 def test_the_guide_says_which_verdicts_turn():

@@ -32,6 +32,7 @@ from leakref.golden.digests import digest, strict
 from leakref.golden.linting import lint
 from leakref.golden.sets import Entry, Golden, compare
 from leakref.golden.stages import STAGES
+from leakref.methods import DEFAULT, METHODS
 from leakref.window import WINDOWS
 
 pytestmark = pytest.mark.stored
@@ -123,7 +124,7 @@ def test_water_is_in_every_stage_that_it_enters():
         by_stage.setdefault(e.stage, []).append(e)
     assert set(by_stage) == {
         "dispersion", "resolutions", "kernel", "doppler", "depth-factor", "water-units", "components", "shell",
-        "characteristic", "score", "derivatives", "nsp", "ls", "extract", "realization", "ensemble",
+        "characteristic", "score", "derivatives", *METHODS, "extract", "realization", "ensemble",
     }  # fmt: skip
     for stage in ("dispersion", "kernel", "doppler", "depth-factor", "components", "nsp", "ls", "extract"):
         assert {0.7, 1.2, 2.0} <= {e.record["input"].get("depth") for e in by_stage[stage]}, stage
@@ -537,12 +538,15 @@ def test_an_entry_more_is_a_row_in_a_table(both, monkeypatch):
     own = ids.Seas(2, ids.SEAS[0].configurations[:1], ("other",), "others")
     monkeypatch.setattr(ids, "SEAS", (*ids.SEAS, own))
     found = ids.ids("realizations", "ensembles", number=2)
-    assert {i for i in found if "nsp-ls" in i} == {
+    assert {i for i in found if "nsp-ls" in i and "other" in i} == {
         "realization-nsp-ls/others/0", "realization-nsp-ls/others/1",
         "ensemble-nsp-ls/box-other", "ensemble-nsp-ls/hann-other",
     }  # fmt: skip
     for identifier in found:
-        assert ids.methods_of(identifier) == (("other",) if "other" in identifier else ("nsp", "ls"))
+        more = [name for name in METHODS if name not in DEFAULT]
+        ending = tuple(f"/{m}/{n}" for m in more for n in (0, 1)) + tuple(f"-{m}" for m in more)
+        if not identifier.endswith(ending):
+            assert ids.methods_of(identifier) == (("other",) if "other" in identifier else DEFAULT)
         assert ids.configuration_of(identifier).id in identifier
     assert ids.methods_of("realization-nsp-ls/0") == ids.methods_of("ensemble-nsp-ls/box-ls") == ("nsp", "ls")
     assert ids.realization_id(own.configurations[0], 1, "other") == "realization-nsp-ls/others/1"

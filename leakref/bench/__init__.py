@@ -36,7 +36,7 @@ from leakref.bench.limits import (
     synthesis_products,
 )
 from leakref.cases import Configuration, configurations
-from leakref.methods import METHODS
+from leakref.methods import DEFAULT
 from leakref.sea import Components
 from leakref.shell import HALF_WIDTH, Extraction
 from leakref.spectrum import fourier
@@ -75,7 +75,7 @@ def literal(configuration: Configuration, realization: int) -> dict[tuple[str, s
     return {
         (s.window, method): chain.analyse(s, k, method=method, search=False, gravity=1.0)
         for s in spectra
-        for method in METHODS
+        for method in DEFAULT
     }
 
 

@@ -97,12 +97,16 @@ def certify(
     opened: list[Subject] = []
 
     def asked(subject: Subject) -> list[int]:
-        """Of the checks. What a code that knows one water only, or makes no seas, is not asked does not stand on its
-        certificate.
+        """Of the checks. What a code that knows one water only, makes no seas, or lacks a method, is not asked does not
+        stand on its certificate.
         """
-        seas = subject.offers("sea")
+        seas, own = subject.offers("sea"), subject.declaration.methods
         return [
-            n for n, (c, case) in enumerate(checks) if (not case.water or subject.told) and (seas or c.stage != "sea")
+            n
+            for n, (c, case) in enumerate(checks)
+            if (not case.water or subject.told)
+            and (seas or c.stage != "sea")
+            and (not case.method or case.method in own)
         ]
 
     def open_and_work(session: AbstractContextManager[Subject]) -> None:

@@ -26,7 +26,7 @@ from leakref.cases import Configuration
 from leakref.chain import analyse
 from leakref.dispersion import DEEP
 from leakref.ensemble import Ensemble
-from leakref.methods import METHODS
+from leakref.methods import DEFAULT
 from leakref.paper.inferred import Depths
 from leakref.paper.inferred import ensembles as ensembles_of_depths
 from leakref.sea import Components
@@ -129,14 +129,14 @@ class Evidence:
         return [
             Ensemble(configuration, window, method, configuration.wavenumbers, velocities[:, w, m], notes)
             for w, window in enumerate(configuration.windows)
-            for m, method in enumerate(METHODS)
+            for m, method in enumerate(DEFAULT)
         ]
 
 
 def _special(configuration: Configuration, realization: int, setting: Setting, folder: Path | None) -> FloatArray:
     """Velocities (w, m, n, 2) under a setting, from the folder if they are there."""
     about = {"configuration": asdict(configuration), "setting": asdict(setting), "source": source_digest()}
-    shape = (len(configuration.windows), len(METHODS), configuration.wavenumbers.size, 2)
+    shape = (len(configuration.windows), len(DEFAULT), configuration.wavenumbers.size, 2)
     return kept_velocities(
         folder and folder / f"claims-{kept.key(about)}" / f"{realization:05d}.npz",
         {**about, "realization": realization},
@@ -180,7 +180,7 @@ def _computed(configuration: Configuration, realization: int, setting: Setting) 
         waves = Components(*(getattr(waves, name)[rest] for name in waves.__dataclass_fields__))
     how: dict[str, Any] = {"width": setting.width, "threshold": setting.threshold, "search": False}
     found = fast.realize(waves, configuration.grid, k, windows=windows, water=configuration.water, **how)
-    return np.array([[found[window, method].velocities for method in METHODS] for window in windows])
+    return np.array([[found[window, method].velocities for method in DEFAULT] for window in windows])
 
 
 def resampled(configuration: Configuration, realization: int) -> FloatArray:
@@ -208,7 +208,7 @@ def resampled(configuration: Configuration, realization: int) -> FloatArray:
         [
             [
                 analyse(spectrum, configuration.wavenumbers, method=method, search=False, gravity=1.0).velocities
-                for method in METHODS
+                for method in DEFAULT
             ]
             for spectrum in spectra
         ]

@@ -26,6 +26,7 @@ from leakref.claims.variants import CONFIGURATIONS, VARIANTS, Variant
 from leakref.claims.words import Sample, smaller
 from leakref.ensemble import Ensemble
 from leakref.fast import spectra
+from leakref.methods import DEFAULT
 from leakref.window import window as named_window
 
 __all__ = ["MOVED", "Altered", "NotCovered", "Shifts", "moving", "rejudged", "study", "summary", "velocities"]
@@ -95,10 +96,7 @@ def _source_digest() -> str:
 
 
 def _about(variant: Variant, configuration: Configuration, setting: Setting, windows: Sequence[str]) -> dict[str, Any]:
-    """What velocities under a variant depend on.
-
-    Changes by their text, so that a variant whose changes are edited is another one.
-    """
+    """What velocities under a variant depend on: changes by their text, so that an edited variant is another one."""
     return {
         "changes": [asdict(change) for change in (*variant.changes, *variant.fast)],
         "methods": variant.methods,
@@ -246,26 +244,28 @@ def study(
             found.setdefault((variant.id, configuration.id), []).append(values)
         after_each()
     whole: dict[str, list[list[Shifts]]] = {v.id: [] for v in wanted}
-    for ensembles in runs.run(configurations(ids), realizations=realizations, folder=folder, executor=executor):
-        own = {(e.window, e.method): e for e in ensembles}
-        for variant in wanted:
-            computed = found.get((variant.id, ensembles[0].configuration.id))
-            if computed is not None:
-                windows = [w for w in ensembles[0].configuration.windows if w in variant.windows]
-                pairs = product(enumerate(windows), enumerate(variant.methods))
-                whole[variant.id].append(
-                    [
-                        Shifts(variant, own[window, method], np.array(computed)[:, w, m])
-                        for (w, window), (m, method) in pairs
-                    ]
-                )
+    by_methods: dict[tuple[str, ...], list[Variant]] = {}
+    for variant in wanted:
+        by_methods.setdefault(DEFAULT if {*variant.methods} <= {*DEFAULT} else variant.methods, []).append(variant)
+    how: dict[str, Any] = {"folder": folder, "executor": executor}
+    for methods, members in by_methods.items():
+        acting_on = [c for c in configurations(ids) if any(c.id in v.configurations for v in members)]
+        most = max(min(realizations, v.realizations) for v in members)
+        for ensembles in runs.run(acting_on, realizations=most, methods=methods, **how):
+            own = {(e.window, e.method): e for e in ensembles}
+            for v in members:
+                if (computed := found.get((v.id, ensembles[0].configuration.id))) is not None:
+                    windows, at = [w for w in ensembles[0].configuration.windows if w in v.windows], np.array(computed)
+                    pairs = product(enumerate(windows), enumerate(v.methods))
+                    whole[v.id].append([Shifts(v, own[window, m_], at[:, w, m]) for (w, window), (m, m_) in pairs])
     return whole
 
 
 def moving(found: dict[str, list[list[Shifts]]]) -> list[Variant]:
     """The variants that move a velocity without a note by more than 10 % of the smaller resolution somewhere.
 
-    None of those with other waves, whose velocities are others anyway, or with images of a single sea.
+    None of those with other waves, whose velocities are others anyway, with images of a single sea, or of methods that
+    the paper makes no statements about.
     """
     largest = {
         id: max(
@@ -274,7 +274,9 @@ def moving(found: dict[str, list[list[Shifts]]]) -> list[Variant]:
         for id, cases in found.items()
     }
     return [
-        v for id, share in largest.items() if share > _SHARE and (v := VARIANTS[id]).paired and not v.setting.resampled
+        v
+        for id, share in largest.items()
+        if share > _SHARE and (v := VARIANTS[id]).paired and not v.setting.resampled and {*v.methods} <= {*DEFAULT}
     ]
 
 

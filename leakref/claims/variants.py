@@ -14,6 +14,7 @@ from leakref.altered import Change, altered
 from leakref.cases import Configuration
 from leakref.claims.evidence import PLAIN, Setting
 from leakref.decisions import DECISIONS
+from leakref.methods import DEFAULT
 
 __all__ = ["CONFIGURATIONS", "NONE", "VARIANTS", "Variant"]
 
@@ -49,7 +50,7 @@ class Variant:
     words: str
     changes: tuple[Change, ...] = ()
     fast: tuple[Change, ...] = ()
-    methods: tuple[str, ...] = ("nsp", "ls")
+    methods: tuple[str, ...] = DEFAULT
     windows: tuple[str, ...] = ("box", "hann")
     configurations: tuple[str, ...] = CONFIGURATIONS
     needs: str = ""
@@ -81,6 +82,11 @@ class Variant:
 
 def _one(module: str, old: str, new: str) -> tuple[Change, ...]:
     return (Change(module, old, new),)
+
+
+def _beside(method: str) -> Any:
+    """Of a method beside the paper's: on a broad, a narrow and a coarse sea, ten times."""
+    return {"methods": (method,), "configurations": (*CONFIGURATIONS[:2], CONFIGURATIONS[3]), "realizations": 10}
 
 
 def _simplex(options: str) -> tuple[tuple[Change, ...], tuple[Change, ...]]:
@@ -144,8 +150,8 @@ VARIANTS: dict[str, Variant] = {v.id: v for v in (
              Change("fast", "self.even, m = grid.frequency_resolution, grid.shape[2] % 2 == 0, grid.bins(2)",
                     "self.even, m = grid.frequency_resolution, False, grid.bins(2)[: magnitude.shape[1]]"),
              Change("fast", "ring.centre, self.disc.grid.bins(2))", "ring.centre, np.arange(self.magnitude.shape[1]))"),
-             Change("fast", "int(np.ceil(_CUT * width)), grid.shape[2] % 2 == 0",
-                    "int(np.ceil(_CUT * width)), False"))),
+             Change("fast", "taps, is_even = _taps(width), grid.shape[2] % 2 == 0",
+                    "taps, is_even = _taps(width), False"))),
     Variant("whole-weights", "D5", "weight 1, not 1/2, on omega = 0 and the Nyquist plane",
             _one("spectrum", "np.where((m == 0) | (2 * m == self.grid.shape[2]), 0.5, 1.0)", "np.ones(m.size)"),
             (Change("fast", "np.where((m == 0) | (2 * m == grid.shape[2]), 0.5, 1.0)", "np.ones(m.size)"),
@@ -234,6 +240,27 @@ VARIANTS: dict[str, Variant] = {v.id: v for v in (
     Variant("other-sense", "D23", "video rotated clockwise", _one("cases", "sea.rotated(self.rotation,",
                                                                   "sea.rotated(-self.rotation,"),
             configurations=(_ROTATED,), needs="rotation", sense=-1),
+    Variant("pcs-bin-alone", "D33", "a point of the polar current shell at the strongest bin itself",
+            _one("pcs", "np.array([-1, 0, 1])", "np.array([0, 0, 0])"), **_beside("pcs")),
+    Variant("pcs-weak-too", "D34", "columns from 0.05 of the largest power on, not 0.2",
+            _one("pcs", "tops >= threshold)", "tops >= threshold / 4)"), **_beside("pcs")),
+    Variant("pcs-plain-fit", "D34", "the sine curve fitted by least squares, outliers and all",
+            _one("pcs", "np.where(inside, (1 - z**2) ** 2, 0.0)", "np.ones_like(z)")
+            + _one("pcs", "np.where(inside, (1 - z**2) * (1 - 5 * z**2), 0.0)", "np.ones_like(z)"), **_beside("pcs")),
+    Variant("lattice-of-0.05", "D35", "a lattice twice as fine, 0.05 c0",
+            _one("nspgrid", "np.arange(-10, 11) / 10", "np.arange(-20, 21) / 20"), **_beside("nsp-grid")),
+    Variant("widths-added", "D36", "a = 4 (domega + cg dk), not the root of the squares",
+            _one("nspadaptive", "np.hypot(1.0, along_k / grid.frequency_resolution)",
+                 "1.0 + along_k / grid.frequency_resolution"), **_beside("nsp-adaptive")),
+    Variant("half-the-spread", "D36", "a = 4 sqrt(domega^2 + (cg dk / 2)^2)",
+            _one("nspadaptive", "along_k / grid.frequency_resolution", "along_k / (2 * grid.frequency_resolution)"),
+            **_beside("nsp-adaptive")),
+    Variant("iterated-from-0.05", "D37", "weak bins from 0.05 of the largest power on, not 0.02",
+            _one("lsiterative", "LOWER = 0.02", "LOWER = 0.05"), **_beside("ls-iterative")),
+    Variant("iterated-from-0.005", "D37", "weak bins from 0.005 of the largest power on, not 0.02",
+            _one("lsiterative", "LOWER = 0.02", "LOWER = 0.005"), **_beside("ls-iterative")),
+    Variant("iterated-within-2", "D38", "bins within 2 domega of the dispersion surface, not 4",
+            _one("lsiterative", "REACH = 4.0", "REACH = 2.0"), **_beside("ls-iterative")),
 )}
 """Every variant that is computed, by id."""
 

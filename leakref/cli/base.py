@@ -72,6 +72,18 @@ def command(
     return register
 
 
+PAPERS = "nsp,ls"
+METHODS = "Which, with commas between: nsp, ls, and those of `leakref guide methods`."
+Methods = Annotated[str, typer.Option("--methods", help=METHODS)]
+
+
+def methods_named(text: str, call: str) -> tuple[str, ...]:
+    """The methods of a list with commas, each once. Raises LeakrefError for one that there is not, or none."""
+    from leakref.methods import method
+
+    return tuple(dict.fromkeys(method(name.strip(), call).id for name in text.split(",")))
+
+
 golden_app = typer.Typer(no_args_is_help=True, context_settings={"help_option_names": ["-h", "--help"]})
 app.add_typer(golden_app, name="golden", rich_help_panel=UPKEEP, help="The golden values: unchanged? still reproduced?")
 exam_app = typer.Typer(no_args_is_help=True, context_settings={"help_option_names": ["-h", "--help"]})

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from leakref.cli.base import DATA, Json, Workers, command
+from leakref.cli.base import DATA, PAPERS, Json, Methods, Workers, command, methods_named
 
 __all__ = ["export", "extract", "plan"]
 
@@ -22,7 +22,7 @@ def extract(
         ),
     ],
     window: Annotated[str, typer.Option(help="box (none), hann, blackman or kaiser-bessel.")] = "hann",
-    method: Annotated[str, typer.Option(help="nsp or ls.")] = "nsp",
+    method: Annotated[str, typer.Option(help="nsp, ls, or another of `leakref guide methods`.")] = "nsp",
     wavenumbers: Annotated[
         str | None,
         typer.Option(
@@ -142,6 +142,7 @@ def plan(
     ] = None,
     realizations: Annotated[int | None, typer.Option(min=2, help="Simulated flights; default: 8 to 30.")] = None,
     out: Annotated[Path, typer.Option(help="Folder for the tables, the data and the pictures.")] = Path("leakref-plan"),
+    methods: Methods = PAPERS,
     workers: Workers = 0,
     json: Json = False,
 ) -> bool:
@@ -163,5 +164,12 @@ def plan(
         "surface-tension": surface_tension,
     }
     return run(
-        given, sweep=sweep, realizations=realizations, out=out, workers=workers, cores=os.cpu_count() or 1, json=json
+        given,
+        sweep=sweep,
+        realizations=realizations,
+        out=out,
+        workers=workers,
+        cores=os.cpu_count() or 1,
+        json=json,
+        methods=methods_named(methods, "plan"),
     )

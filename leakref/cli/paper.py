@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from leakref.cli.base import PAPER, Json, command
+from leakref.cli.base import PAPER, PAPERS, Json, Methods, command, methods_named
 
 __all__ = ["claims", "demo", "reproduce"]
 
@@ -43,6 +43,7 @@ def reproduce(
         ),
     ] = False,
     out: Annotated[Path, typer.Option(help="Folder for tables, data and figures.")] = Path("leakref-results"),
+    methods: Methods = PAPERS,
     route: Annotated[str, typer.Option(help="A: surface and FFT, B: closed form.")] = "B",
     workers: Annotated[int, typer.Option(min=0, help="Processes; 0: one for each core.")] = 0,
     scheduler: Annotated[str, typer.Option(help="Address of a dask.distributed scheduler to use instead.")] = "",
@@ -79,6 +80,7 @@ def reproduce(
         workers=workers or os.cpu_count() or 1,
         scheduler=scheduler,
         everything=everything,
+        methods=methods_named(methods, "reproduce"),
     )
 
 

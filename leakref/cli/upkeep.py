@@ -10,6 +10,7 @@ import typer
 
 from leakref.cli.base import (
     HISTORY,
+    PAPERS,
     UPKEEP,
     HistoryFile,
     Json,
@@ -19,6 +20,7 @@ from leakref.cli.base import (
     Timeout,
     Workers,
     command,
+    methods_named,
     track_app,
 )
 
@@ -63,6 +65,7 @@ def track_record(
     start_timeout: StartTimeout = None,
     memory: Annotated[float, typer.Option(min=0.01, help="GiB that the program may hold.")] = 8.0,
     workers: Annotated[int, typer.Option(min=0, help="Processes, for the reference; 0: one for each core.")] = 0,
+    methods: Annotated[str, typer.Option(help="Of the reference; another target has those it declares.")] = PAPERS,
     json: Json = False,
 ) -> int:
     """Measure a version and append it to the history."""
@@ -84,6 +87,7 @@ def track_record(
             memory,
             workers or os.cpu_count() or 1,
             start_timeout,
+            methods_named(methods, "track"),
         ),
         json=json,
     )

@@ -15,6 +15,7 @@ reference itself, so that nothing has to be right twice.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 from functools import cached_property, lru_cache
 from math import comb
 from typing import Any
@@ -22,12 +23,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from leakref import leakage, nsp
-from leakref._base import FloatArray, IntArray, LeakrefError, positive
+from leakref import leakage, nsp, nspadaptive, nspgrid
+from leakref._base import FloatArray, IntArray, fraction, positive
 from leakref.dispersion import Water, law, velocity_unit
-from leakref.fast.basins import PLACES, POOL, peaks, pool
+from leakref.fast.basins import PLACES, POOL, peaks, pool, read_off
 from leakref.fast.leastsquares import least_squares, only_leaked
-from leakref.fast.score import DENSE, ORDER, Ring, climb, hermite, models, outdone, principal
+from leakref.fast.score import DENSE, ORDER, Ring, climb, hermite, models, outdone, principal, scores
 from leakref.fast.spectra import Disc, magnitudes
 from leakref.grid import Grid
 from leakref.leastsquares import FREE, THRESHOLD
@@ -70,7 +71,14 @@ def _pad(width: float) -> int:
     return int(np.ceil(_CUT * width)) + 1
 
 
-@lru_cache(maxsize=32)
+@lru_cache(maxsize=256)
+def _taps(width: float) -> FloatArray:
+    """`hermite`, of a number of bins that five divides."""
+    half = int(np.ceil(_CUT * width))
+    return hermite(width, half + (2 - half) % 5)
+
+
+@lru_cache(maxsize=256)
 def _gaussians(width: float, blocks: int) -> tuple[IntArray, npt.NDArray[np.float32]]:
     """Gaussians around `blocks` of places, (blocks, bins, PLACES), and `_pad` past the first bin of each (blocks,)."""
     centres = np.arange(blocks * PLACES).reshape(blocks, PLACES) * (width / 8)
@@ -99,10 +107,10 @@ class _Seen:
             for lobes, bins, n in zip(map(_lobes, 3 * [window], grid.shape), (*disc.bins, m), at, strict=True)
         )
         self.across = self.largest[self.strongest] * x * y
-        self.models = models(self.largest.size)
+        self.models, self.bar = models(self.largest.size), _ROUNDING * self.largest[self.strongest]
 
     def _shell(self, ring: Ring) -> Shell:
-        """As shell.shell_at makes it. Only for what is handed to the reference."""
+        """As shell.shell_at makes it. For what is handed to the reference, and to methods without a twin."""
         floor = None if (ring.columns == self.strongest).any() else self.across[:, ring.columns].T @ self.along
         kx, ky, intrinsic, omega = (
             bins * self.step for bins in (ring.kx, ring.ky, ring.centre, self.disc.grid.bins(2))
@@ -117,14 +125,61 @@ class _Seen:
             self.weight,
             self.magnitude[ring.columns],
             floor,
-            False,
+            self._is_empty(ring),
         )
+
+    def plain(self, ring: Ring, method: Method, settings: Mapping[str, Any]) -> Optimum:
+        """What a method says of the shell that has no twin here and needs nothing but the shell."""
+        assert method.optimum is not None
+        return method.optimum(self._shell(ring), **settings)
+
+    def _alone(self, ring: Ring, width: float) -> tuple[_Seen, Ring]:
+        """The columns of one shell by themselves, with a width of G of their own.
+
+        Columns stay in their order, so that the mirror image of the first is still the last.
+        """
+        columns, own = ring.columns, copy(self)
+        own.__dict__.pop("_table", None)
+        own.magnitude, own.width, own.models = self.magnitude[columns], width, models(columns.size)
+        own.sums, own.largest, own.across = self.sums[columns], self.largest[columns], self.across[:, columns]
+        own.strongest = next(iter(np.flatnonzero(columns == self.strongest).tolist()), -1)
+        fastest = ring.centre.max() + ring.largest * nsp._REACH * ring.unit
+        own.furthest = min(fastest, own.magnitude.shape[1] + 5 * width)
+        return own, ring._replace(columns=np.arange(columns.size), width=width, taps=_taps(width))
 
     def _is_empty(self, ring: Ring) -> bool:
         """By the same bar as the reference: what is left is rounding of the strongest bin."""
-        return not self.largest[ring.columns].max() > _ROUNDING * self.largest[self.strongest]
+        return not self.largest[ring.columns].max() > self.bar
 
-    def nsp(self, ring: Ring, *, search: bool, **_: object) -> Optimum:
+    def _reach(self, ring: Ring) -> float:
+        """nsp.score_range."""
+        top = self.magnitude.shape[1] - 1 - ring.frequency - 3 * self.width
+        return float(min(nsp._REACH * ring.unit, top / ring.wavenumber))
+
+    def nsp_grid(self, ring: Ring, **settings: Any) -> Optimum:
+        """nspgrid.optimum. The lattice is looked at in the table, and closely where that may be the best."""
+        ring = ring._replace(magnitude=self.magnitude)
+        lattice = nspgrid.LATTICE[np.hypot(*nspgrid.LATTICE.T) * ring.unit <= self._reach(ring)]
+        if self._is_empty(ring) or not len(lattice):
+            return self.nsp(ring, **settings)
+        if self.width < DENSE:  # the table wants it so
+            start = nspgrid.start(self._shell(ring), self.width * self.step, ring.unit)
+        else:
+            rough = read_off(ring, self._table[0], lattice * ring.unit)
+            lattice = lattice[rough >= nspgrid.WORTH * rough.max()]
+            self.models.made[:] = 0
+            start = nspgrid.slowest(lattice, scores(ring, self.models, lattice * ring.unit))
+        return self.nsp(ring, start=start, **settings)
+
+    def nsp_adaptive(self, ring: Ring, *, water: Water, **settings: Any) -> Optimum:
+        """nspadaptive.extract, of one shell."""
+        if self._is_empty(ring):
+            return nothing(Note.NO_SIGNAL)
+        wider = nspadaptive.spread(self.disc.grid, water, ring.wavenumber * self.step)
+        own, ring = self._alone(ring, self.width * wider)
+        return own.nsp(ring, **settings)
+
+    def nsp(self, ring: Ring, *, search: bool, start: FloatArray | None = None, **_: object) -> Optimum:
         """nsp.optimum.
 
         `climb` follows SciPy's simplex on polynomials; what it finds beyond reach, flat, or leaving the band is asked
@@ -135,15 +190,16 @@ class _Seen:
             return nothing(Note.NO_SIGNAL)
         ring, velocity, d = ring._replace(magnitude=self.magnitude), np.empty(2), np.empty(6)
         self.models.made[:] = 0
-        used, arrived = climb(ring, self.models, nsp.START, velocity, d)
-        top = self.magnitude.shape[1] - 1 - ring.frequency - 3 * self.width
-        reach = min(nsp._REACH * ring.unit, top / ring.wavenumber)
+        first = np.zeros(2) if start is None else start
+        used, arrived = climb(ring, self.models, nsp.START, first, velocity, d)
+        reach = self._reach(ring)
         beyond, stiff, soft = np.hypot(*velocity) > reach, -principal(d)[1], -principal(d)[0]
         centres = ring.centre + ring.kx * velocity[0] + ring.ky * velocity[1]
         if not arrived or (
             beyond and (soft <= nsp.UNKNOWN * stiff or nsp.leaves_the_band(centres, self.magnitude.shape[1] - 1))
         ):
-            return nsp.optimum(self._shell(ring), self.width * self.step, ring.unit, search=search)  # rare
+            shell = self._shell(ring)  # rare
+            return nsp.optimum(shell, self.width * self.step, ring.unit, search=search, start=first)
         score = d[0]
         d *= ring.columns.size * self.weight.sum() / self.sums[ring.columns].sum()
         note = nsp.remarks(ring.columns.size, soft, score, ring.unit, bool(beyond))
@@ -236,8 +292,7 @@ def _rings(
     kx, ky = (bins * spacing for bins, spacing in zip(disc.bins, grid.bin_widths, strict=False))
     k = np.hypot(kx, ky)
     centre = water.frequency(k) / step
-    half, is_even = int(np.ceil(_CUT * width)), grid.shape[2] % 2 == 0
-    taps = hermite(width, half + (2 - half) % 5)  # a number of them that five divides
+    taps, is_even = _taps(width), grid.shape[2] % 2 == 0
     binomials = np.array([[float(comb(q + p, p)) for p in range(ORDER)] for q in range(ORDER)])
     rings = []
     for k_i in wavenumbers:
@@ -252,8 +307,10 @@ def _rings(
     return disc, rings
 
 
-_TWINS: dict[str, Callable[..., Optimum]] = {"nsp": _Seen.nsp, "ls": _Seen.ls}
-"""Of the methods that are compiled here; all others are asked as they are."""
+_TWINS: dict[str, Callable[..., Optimum]] = {
+    "nsp": _Seen.nsp, "ls": _Seen.ls, "nsp-grid": _Seen.nsp_grid, "nsp-adaptive": _Seen.nsp_adaptive
+}  # fmt: skip
+"""Of the methods that are compiled here; all others are asked as they are, of one shell if that is enough."""
 
 
 def _plainly(
@@ -306,16 +363,13 @@ def realize(
     tapers, records = [named_window(name) for name in windows], [named_method(name, "realize") for name in methods]
     k = checked_wavenumbers(wavenumbers, "realize")
     positive("realize", width=width, half_width=half_width, peak_wavenumber=peak_wavenumber or 1.0)
-    if not 0 < threshold <= 1:
-        raise LeakrefError(
-            "realize", f"threshold = {threshold}", "give a part of the largest power, above 0 and at most 1"
-        )
+    fraction("realize", threshold=threshold)
     water = law("realize", gravity, water)
     settings = {"peak_wavenumber": peak_wavenumber, "width": width, "search": search, "threshold": threshold}
     dk, inside = grid.wavenumber_resolution, min(grid.nyquist[:2]) * (1 - EDGE_MARGIN)
     waves = float(np.hypot(components.kx, components.ky).max()) + dk
     # waves in the corners of the spectrum are where the disc does not reach: let the reference look there
-    plain = [record for record in records if waves > inside or record.id not in _TWINS]
+    plain = [record for record in records if waves > inside or not (record.id in _TWINS or record.optimum)]
     found = _plainly(components, grid, k, windows, plain, settings, water=water, half_width=half_width)
     compiled = [record for record in records if record not in plain]
     if compiled or not records:  # of no method the spectra alone, which are timed
@@ -325,6 +379,9 @@ def realize(
         for name, magnitude in magnitudes(components, grid, tapers, disc).items():
             seen = _Seen(disc, name, magnitude, rings)
             for record in compiled:
-                optima = [_TWINS[record.id](seen, ring, **settings) for ring in rings]
+                if record.id in _TWINS:
+                    optima = [_TWINS[record.id](seen, ring, water=water, **settings) for ring in rings]
+                else:
+                    optima = [seen.plain(ring, record, _own(record, settings)) for ring in rings]
                 found[name, record.id] = collect(record.id, k, optima)
     return {(name, record.id): found[name, record.id] for name in windows for record in records}

@@ -16,7 +16,7 @@ import numpy as np
 
 from leakref._caches import njit
 
-__all__ = ["PLACES", "POOL", "peaks", "pool"]
+__all__ = ["PLACES", "POOL", "peaks", "pool", "read_off"]
 
 _compiled: Any = njit(nogil=True, error_model="numpy")
 _summing: Any = njit(nogil=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
@@ -92,6 +92,19 @@ def _drop(table, zero, columns, base, kx, ky, rest, x, y, scores, bar):
                     kept += 1
             live = kept
     return live
+
+
+@_compiled
+def read_off(ring, table, velocities):
+    """The coarse score at each of the velocities (n, 2), up to a factor: (n,)."""
+    step, found = ring.width / 8, np.zeros(velocities.shape[0])
+    for n in range(found.size):
+        for i in range(ring.columns.size):
+            centre = ring.centre[i] + ring.kx[i] * velocities[n, 0] + ring.ky[i] * velocities[n, 1]
+            place, column = abs(int(np.rint(centre / step))), ring.columns[i]
+            column = column if centre >= 0 else table.shape[0] - 1 - column
+            found[n] += table[column, min(place, table.shape[1] - 1)]
+    return found
 
 
 @_compiled

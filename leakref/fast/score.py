@@ -21,7 +21,7 @@ import numpy as np
 from leakref._base import FloatArray, IntArray
 from leakref._caches import njit
 
-__all__ = ["DENSE", "ORDER", "Models", "Ring", "climb", "hermite", "models", "outdone", "principal"]
+__all__ = ["DENSE", "ORDER", "Models", "Ring", "climb", "hermite", "models", "outdone", "principal", "scores"]
 
 ORDER = 12  # of an expansion of the score: powers of the velocity below it
 _MOMENTS = 16  # of a column around the middle of a cell: to rounding within the cell, to 2e-11 another _RADIUS away
@@ -325,11 +325,11 @@ def _ascend(ring, models, start, lowest, c, d):
 
 
 @_compiled
-def climb(ring, models, start, c, d):
+def climb(ring, models, side, first, c, d):
     """nsp.optimum: velocity c, derivatives d; evaluations, and whether a maximum was reached.
 
-    SciPy's Nelder-Mead on -N (Lagarias coefficients), in units of c0, from a simplex of size `start` until it is at
-    most 1e-8; then Newton.
+    SciPy's Nelder-Mead on -N (Lagarias coefficients), in units of c0, from a simplex of `side` at `first` (2,) until it
+    is at most 1e-8; then Newton.
 
     Why follow SciPy so closely: where the score has several maxima, which of them a search finds depends on its path,
     and the reference's path is SciPy's. The same evaluations in the same order give the same comparisons, but for
@@ -337,7 +337,8 @@ def climb(ring, models, start, c, d):
     """
     simplex, values, unit = np.zeros((3, 2)), np.empty(3), ring.unit
     trial, other, mean = np.empty(2), np.empty(2), np.empty(2)
-    simplex[1, 0] = simplex[2, 1] = start
+    simplex[1, 0] = simplex[2, 1] = side
+    simplex += first
     for i in range(3):
         values[i] = -_score(ring, models, simplex[i] * unit)
     used = 3
@@ -390,3 +391,9 @@ def outdone(ring, models, starts, reach, score):
         if arrived and np.hypot(c[0], c[1]) <= reach and d[0] > score * (1 + 1e-9):
             return True
     return False
+
+
+@_compiled
+def scores(ring, models, velocities):
+    """N up to a factor at each of the velocities (n, 2): (n,)."""
+    return np.array([_score(ring, models, velocity) for velocity in velocities])

@@ -25,7 +25,8 @@ from leakref.chain import analyse
 from leakref.dispersion import DEEP, velocity_unit
 from leakref.ensemble import Ensemble
 from leakref.golden.defined import VECTORS
-from leakref.golden.ids import CERTIFIED, configuration_of, ensemble_id, methods_of, realization_id
+from leakref.golden.ids import CERTIFIED, configuration_of, ensemble_id, methods_of, realization_id, together
+from leakref.golden.methodvectors import decisions_of
 from leakref.golden.records import entry_record, head_of, vector_record
 from leakref.golden.sets import Entry, tolerance
 from leakref.golden.stages.velocities import UNFLAGGED, softness, velocity_conditioning
@@ -120,20 +121,38 @@ def closed_form(c: Configuration, number: int, methods: Sequence[str]) -> dict[s
 _DSV_DECISIONS = tuple(f"D{n}" for n in (1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 13, 15, 16, 17, 18, 19, 22))
 
 
-def _decisions(c: Configuration) -> tuple[str, ...]:
-    """Those that velocities depend on; in water that is not deep also those of its units, sea and search."""
-    return _DSV_DECISIONS if c.water == DEEP else (*_DSV_DECISIONS, "D26", "D27", "D28", "D29", "D31")
+def _decisions(c: Configuration, methods: Sequence[str]) -> tuple[str, ...]:
+    """Those that velocities depend on, of the methods beside the paper's; in water that is not deep also those of its
+    units, sea and search.
+    """
+    own = (decision for name in methods for decision in decisions_of(name))
+    return (*_DSV_DECISIONS, *(() if c.water == DEEP else ("D26", "D27", "D28", "D29", "D31")), *own)
 
 
-def _realization(identifier: str) -> dict[str, Any]:
-    """The record of one realisation by routes A and B.
+def _realizations(identifiers: Sequence[str]) -> list[dict[str, Any]]:
+    """The records of one realisation by routes A and B, one for each of the ids that share its sea."""
+    c, number = configuration_of(identifiers[0]), int(identifiers[0].rsplit("/", 1)[1])
+    methods = together(identifiers)[c]
+    (a, conditioning), b = _by_surface(c, number, methods), closed_form(c, number, methods)
+
+    def part(of: Mapping[str, Any], own: Sequence[str]) -> dict[str, Any]:
+        return {name: value for name, value in of.items() if name.partition("_")[2] in own}
+
+    records = []
+    for identifier in identifiers:
+        own = methods_of(identifier)
+        first, second = ({**part(one, own), "notes": part(one["notes"], own)} for one in (a, b))
+        records.append(_realization(identifier, first, second, part(conditioning, own)))
+    return records
+
+
+def _realization(identifier: str, a: dict[str, Any], b: dict[str, Any], conditioning: dict[str, Any]) -> dict[str, Any]:
+    """The record of one realisation from what routes A and B found.
 
     Where the routes do not agree within the conditioning there is no certified number: null, with that reason. It
     happens only in noted shells, where a rounding may decide which basin the search ends in; elsewhere it is refused.
     """
-    c, number, methods = configuration_of(identifier), int(identifier.rsplit("/", 1)[1]), methods_of(identifier)
-    a, conditioning = _by_surface(c, number, methods)
-    b = closed_form(c, number, methods)
+    c, number = configuration_of(identifier), int(identifier.rsplit("/", 1)[1])
     reasons: dict[str, list[str]] = {}
     for name, kappa in conditioning.items():
         allowed = np.array([tolerance(x) for x in kappa])
@@ -165,7 +184,7 @@ def _realization(identifier: str) -> dict[str, Any]:
         "a whole sea through the whole chain, shell by shell: any slip that the small vectors miss",
         "sec:NSP",
         _DSV_FAULTS,
-        _decisions(c),
+        _decisions(c, methods_of(identifier)),
     )
     given = {name: said for name, said in reasons.items() if any(said)}
     extra = {"notes": notes, **({"reasons": given} if given else {})}
@@ -193,47 +212,41 @@ def statistics_of(e: Ensemble) -> dict[str, FloatArray]:
     return {name: np.asarray(getattr(e, name), dtype=np.float64) for name in _STATISTICS}
 
 
-def _ensembles(
-    c: Configuration, found: Sequence[Ensemble], worse: Sequence[Mapping[tuple[str, str], list[float]]]
-) -> list[dict[str, Any]]:
-    """Records of the ensembles of a configuration: route B, confirmed by the realisations done by A as well.
+def _ensemble(e: Ensemble, worse: FloatArray) -> dict[str, Any]:
+    """The record of an ensemble: route B, confirmed by the realisations done by A as well.
 
-    `worse`, one for each realisation, is what `_softnesses` says of its velocities. A mean is conditioned as the mean
+    `worse` (R, n) is what `_measured` says of the softness of its velocities. A mean is conditioned as the mean
     of its velocities' conditioning; a standard deviation as twice their root mean square; a standard error as that over
     the square root of the count; counts are exact.
     """
-    records = []
-    for e in found:
-        name = (e.window, e.method)
-        per_velocity = UNFLAGGED / tolerance(1.0) * np.array([one[name] for one in worse])  # (R, n)
-        there = np.isfinite(e.magnitudes)
-        mean = np.where(there, per_velocity, 0).sum(axis=0) / np.maximum(e.count, 1)
-        spread = 2 * np.sqrt(np.where(there, per_velocity**2, 0).sum(axis=0) / np.maximum(e.count - 1, 1))
-        conditioning = {
-            "bias": mean.tolist(),
-            "mean": mean.tolist(),
-            "random": spread.tolist(),
-            "count": 0.0,
-            "standard_error": (spread / np.sqrt(np.maximum(e.count, 1))).tolist(),
-        }
-        head = head_of(
-            ensemble_id(c, *name),
-            "ensemble",
-            "hard",
-            "bias and random part over many seas: a slip too small or too rare for one sea",
-            "sec:parameters",
-            _DSV_FAULTS,
-            (*_decisions(c), "D12"),
-        )
-        frequency, wavenumber = e.resolutions
-        extra = {
-            "resolution_frequency": frequency.tolist(),
-            "resolution_wavenumber": wavenumber.tolist(),
-            "flagged": {n: e.noted(note).tolist() for note in Note for n in note.names if e.noted(note).any()},
-        }
-        given = {**describe(c), "window": e.window, "method": e.method, "realizations": len(e.velocities)}
-        records.append(entry_record(head, given, {"B": statistics_of(e)}, "B", conditioning, extra))
-    return records
+    c, per_velocity = e.configuration, UNFLAGGED / tolerance(1.0) * worse  # (R, n)
+    there = np.isfinite(e.magnitudes)
+    mean = np.where(there, per_velocity, 0).sum(axis=0) / np.maximum(e.count, 1)
+    spread = 2 * np.sqrt(np.where(there, per_velocity**2, 0).sum(axis=0) / np.maximum(e.count - 1, 1))
+    conditioning = {
+        "bias": mean.tolist(),
+        "mean": mean.tolist(),
+        "random": spread.tolist(),
+        "count": 0.0,
+        "standard_error": (spread / np.sqrt(np.maximum(e.count, 1))).tolist(),
+    }
+    head = head_of(
+        ensemble_id(c, e.window, e.method),
+        "ensemble",
+        "hard",
+        "bias and random part over many seas: a slip too small or too rare for one sea",
+        "sec:parameters",
+        _DSV_FAULTS,
+        (*_decisions(c, (e.method,)), "D12"),
+    )
+    frequency, wavenumber = e.resolutions
+    extra = {
+        "resolution_frequency": frequency.tolist(),
+        "resolution_wavenumber": wavenumber.tolist(),
+        "flagged": {n: e.noted(note).tolist() for note in Note for n in note.names if e.noted(note).any()},
+    }
+    given = {**describe(c), "window": e.window, "method": e.method, "realizations": len(e.velocities)}
+    return entry_record(head, given, {"B": statistics_of(e)}, "B", conditioning, extra)
 
 
 def inherit(record: dict[str, Any], certified: Mapping[str, Entry]) -> None:
@@ -256,20 +269,33 @@ def inherit(record: dict[str, Any], certified: Mapping[str, Entry]) -> None:
             said["digits"] = min(said["digits"], digits)
 
 
-def _softnesses(c: Configuration, methods: Sequence[str], number: int) -> dict[tuple[str, str], list[float]]:
-    """By how much each velocity of a realisation is worse conditioned than `UNFLAGGED`; 1 where there is none. In
-    water that is not deep it is in that water's unit of velocity (decision D29).
+def _measured(c: Configuration, methods: tuple[str, ...], work: Path | None, number: int) -> dict[str, FloatArray]:
+    """Of one realisation velocities (w, m, n, 2), notes (w, m, n), and by how much each velocity is worse conditioned
+    than `UNFLAGGED`, `softness` (w, m, n); 1 where there is none.
+
+    In water that is not deep that is in that water's unit of velocity (decision D29).
     """
+    task = runs.Task(c, number, methods)
+    about, shape = {**task.about, "source": _source_digest()}, task.shape
+    path = None if work is None else work / "measured" / kept.key({**about, "realization": None}) / f"{number:05d}.npz"
+    if path and (found := kept.arrays(path, about, velocities=(*shape, 2), notes=shape, softness=shape)):
+        return found
     unit = velocity_unit(1.0, c.water, None)
     with threadpool_limits(limits=1):
-        found = ensemble.realize(c, number, methods=methods, route="B")
-    return {
-        (window, method): [
-            unit * (softness(method, float(score), hessian, unit) if np.isfinite(score) else 1.0)
-            for score, hessian in zip(one.score, one.hessian, strict=True)
-        ]
-        for (window, method), one in found.items()
+        by_name = ensemble.realize(c, number, methods=methods, route="B")
+    soft = [
+        unit * (softness(method, float(score), hessian, unit) if np.isfinite(score) else 1.0)
+        for (_, method), one in by_name.items()
+        for score, hessian in zip(one.score, one.hessian, strict=True)
+    ]
+    values = {
+        "velocities": np.array([one.velocities for one in by_name.values()]).reshape(*shape, 2),
+        "notes": np.array([[note.value for note in one.notes] for one in by_name.values()]).reshape(shape),
+        "softness": np.array(soft).reshape(shape),
     }
+    if path:
+        kept.keep_arrays(path, about, **values)
+    return values
 
 
 def make(
@@ -290,51 +316,56 @@ def make(
         yield record
         step()
     rest = [i for i in wanted if i.startswith("ensemble-")]
-    kept_in = work and work / "runs"
-    for methods in dict.fromkeys(methods_of(i) for i in rest):
-        configurations = list(dict.fromkeys(configuration_of(i) for i in rest if methods_of(i) == methods))
+    for c, methods in together(rest).items():
         with runs.pool(workers) as executor:
-            for found in runs.run(
-                configurations, realizations=REALIZATIONS, methods=methods, folder=kept_in, executor=executor
-            ):
-                c = found[0].configuration
-                each = partial(_softnesses, c, methods)
-                soft = (map if executor is None else executor.map)(each, range(REALIZATIONS))
-                for record in _ensembles(c, found, list(soft)):
-                    if record["id"] in rest:
-                        yield record
-                        step()
+            one = partial(_measured, c, methods, work)
+            parts = list((map if executor is None else executor.map)(one, range(REALIZATIONS)))
+        stacked = {name: np.array([part[name] for part in parts]) for name in parts[0]}
+        for w, m in np.ndindex(len(c.windows), len(methods)):
+            velocities, notes, soft = (stacked[name][:, w, m] for name in ("velocities", "notes", "softness"))
+            e = Ensemble(c, c.windows[w], methods[m], c.wavenumbers, velocities, notes)
+            if ensemble_id(c, e.window, e.method) in rest:
+                yield _ensemble(e, soft)
+                step()
 
 
 def certified(wanted: Sequence[str], work: Path | None, workers: int) -> Iterator[dict[str, Any]]:
-    """The records of realisations, in order; several at a time with several `workers`, each with up to 9 GB.
+    """The records of realisations; several seas at a time with several `workers`, each with up to 9 GB.
 
-    Their ids end with the number of the realisation. What an earlier run of the same source left in `work` is taken.
+    Those that share a sea are made together. Ids end with the number of the realisation. What an earlier run of the
+    same source left in `work` is taken.
     """
+    groups: dict[tuple[Configuration, str], list[str]] = {}
+    for identifier in wanted:
+        groups.setdefault((configuration_of(identifier), identifier.rsplit("/", 1)[1]), []).append(identifier)
     one = partial(_certify, work=work)
-    with runs.pool(min(workers, max(1, len(wanted)))) as executor:
-        yield from (map(one, wanted) if executor is None else executor.map(one, wanted))
+    with runs.pool(min(workers, max(1, len(groups)))) as executor:
+        for records in (map if executor is None else executor.map)(one, groups.values()):
+            yield from records
 
 
-def _certify(identifier: str, work: Path | None) -> dict[str, Any]:
+def _certify(identifiers: Sequence[str], work: Path | None) -> list[dict[str, Any]]:
     """One realisation on one thread, so that the last bits do not depend on the machine's cores."""
     with threadpool_limits(limits=1):
-        return _resumed(identifier, work, partial(_realization, identifier))
+        return _resumed(identifiers, work, partial(_realizations, identifiers))
 
 
-def _resumed(identifier: str, work: Path | None, make: Callable[[], dict[str, Any]]) -> dict[str, Any]:
-    """A record from `work`, if an earlier run of the same source left it there, else made and left there. Kept under
-    the digest of the sources, so that a change of anything that counts makes it anew.
+def _resumed(
+    identifiers: Sequence[str], work: Path | None, make: Callable[[], list[dict[str, Any]]]
+) -> list[dict[str, Any]]:
+    """Records from `work`, if an earlier run of the same source left them there, else made and left there. Kept under
+    the digest of the sources, so that a change of anything that counts makes them anew.
     """
     if work is None:
         return make()
-    about = {"id": identifier, "source": _source_digest()}
-    path = work / "entries" / f"{kept.key(about)}.json"
-    found = kept.record(path, about)
-    if found is None:
+    abouts = [{"id": identifier, "source": _source_digest()} for identifier in identifiers]
+    paths = [work / "entries" / f"{kept.key(about)}.json" for about in abouts]
+    found = [kept.record(path, about) for path, about in zip(paths, abouts, strict=True)]
+    if None in found:
         found = json.loads(json.dumps(to_json(make())))
-        kept.keep_record(path, about, found)
-    return dict(found)
+        for path, about, record in zip(paths, abouts, found, strict=True):
+            kept.keep_record(path, about, record)
+    return [dict(record) for record in found if record is not None]
 
 
 @cache

@@ -7,13 +7,27 @@ tables: vectors from `defined.TABLES`, realisations and ensembles from `SEAS`. T
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from leakref._base import LeakrefError
 from leakref.cases import CASES, PAPER_CASES, Configuration
 from leakref.golden.defined import TABLES
+from leakref.methods import DEFAULT, METHODS
 
-__all__ = ["CERTIFIED", "SEAS", "Seas", "configuration_of", "ensemble_id", "ids", "methods_of", "realization_id"]
+__all__ = [
+    "CERTIFIED",
+    "MADE",
+    "PAPER",
+    "SEAS",
+    "Seas",
+    "configuration_of",
+    "ensemble_id",
+    "ids",
+    "methods_of",
+    "realization_id",
+    "together",
+]
 
 CERTIFIED = (0, 1)
 """Realisations of every configuration that are golden one by one."""
@@ -37,9 +51,18 @@ class Seas:
         return f"realization-{c.id}/{f'{self.tag}/' if self.tag else ''}{number}"
 
 
+PAPER = tuple(c for members in PAPER_CASES.values() for c in members)
+"""Every configuration of the paper."""
+MADE = ("nsp-ls", "windows")
+"""The cases of the paper of which there are seas by the methods beside the paper's."""
 SEAS = (
-    Seas(1, tuple(c for members in PAPER_CASES.values() for c in members)),
+    Seas(1, PAPER),
     Seas(2, CASES["depth"]),
+    *(
+        Seas(2, tuple(c for case in MADE for c in PAPER_CASES[case]), (name,), name)
+        for name in METHODS
+        if name not in DEFAULT
+    ),
 )
 """All that there are; no two rows have both a configuration and a method in common."""
 
@@ -95,11 +118,12 @@ def _row(identifier: str) -> tuple[Seas, Configuration]:
     kind, _, rest = identifier.partition("-")
     name, _, last = rest.rpartition("/")
     for seas in SEAS:
-        if kind == "ensemble" and last.rpartition("-")[2] not in seas.methods:
-            continue
         tag = f"/{seas.tag}" if seas.tag and kind == "realization" else ""
         for c in seas.configurations:
-            if f"{c.id}{tag}" == name:
+            known = kind != "ensemble" or last in {
+                f"{window}-{method}" for window in c.windows for method in seas.methods
+            }
+            if known and f"{c.id}{tag}" == name:
                 return seas, c
     raise LeakrefError("golden", f"{identifier!r} names no configuration of the sets", "ids are in the manifest")
 
@@ -115,3 +139,14 @@ def configuration_of(identifier: str) -> Configuration:
 def methods_of(identifier: str) -> tuple[str, ...]:
     """The methods by which the velocities of a realisation, or of an ensemble and its neighbours, are measured."""
     return _row(identifier)[0].methods
+
+
+def together(identifiers: Iterable[str]) -> dict[Configuration, tuple[str, ...]]:
+    """The configurations of realisations or ensembles, each with all methods by which they are asked for: what is made
+    of one sea by several methods is made at once.
+    """
+    found: dict[Configuration, tuple[str, ...]] = {}
+    for identifier in identifiers:
+        c = configuration_of(identifier)
+        found[c] = tuple(dict.fromkeys((*found.get(c, ()), *methods_of(identifier))))
+    return found

@@ -16,12 +16,12 @@ import numpy as np
 
 from leakref import runs
 from leakref._base import LeakrefError
-from leakref.cases import REALIZATIONS
+from leakref.cases import REALIZATIONS, Configuration
 from leakref.decisions import DECISIONS
 from leakref.golden import oracle
 from leakref.golden.defined import VECTORS
 from leakref.golden.entries import Step, certified, closed_form, describe, statistics_of
-from leakref.golden.ids import configuration_of, ensemble_id, methods_of
+from leakref.golden.ids import configuration_of, ensemble_id, methods_of, together
 from leakref.golden.same import alike
 from leakref.golden.sets import SETS, Entry, Failure, Golden, Report, compare
 from leakref.golden.stages import STAGES
@@ -185,10 +185,13 @@ def _verify_ensembles(
 ) -> list[Failure]:
     wanted = {entry.id: entry for entry in entries}
     failures = []
-    for methods in dict.fromkeys(methods_of(i) for i in wanted):
+    by_methods: dict[tuple[str, ...], list[Configuration]] = {}
+    for c, methods in together(wanted).items():
+        by_methods.setdefault(methods, []).append(c)
+    for methods, configurations in by_methods.items():
         with runs.pool(workers) as executor:
             for found in runs.run(
-                list(dict.fromkeys(configuration_of(i) for i in wanted if methods_of(i) == methods)),
+                configurations,
                 realizations=REALIZATIONS,
                 methods=methods,
                 route=route,

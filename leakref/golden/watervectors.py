@@ -51,7 +51,7 @@ def _named(water: Water) -> dict[str, float]:
     return {name: v for name, v in said.items() if name == "gravity" or (0 < v < np.inf)}
 
 
-def _swell(
+def swell_over(
     water: Water, count: int, smallest: float, largest: float, direction: float, spread: float,
     current: tuple[float, float] = (0.0, 0.0), shear: tuple[float, float] = (0.0, 0.0), first: int = 1,
 ) -> dict[str, Any]:  # fmt: skip
@@ -63,12 +63,12 @@ def _swell(
     return {**waves, "omega": [round(float(w), 6) for w in water.frequency(k) + kx * u + ky * v]}
 
 
-def _on(grid: Grid, water: Water, window: str = "hann") -> dict[str, Any]:
+def on(grid: Grid, water: Water, window: str = "hann") -> dict[str, Any]:
     return {**on_grid(grid, window), **_named(water)}
 
 
 def _without_window(grid: Grid, water: Water) -> dict[str, Any]:
-    return {name: value for name, value in _on(grid, water).items() if name != "window"}
+    return {name: value for name, value in on(grid, water).items() if name != "window"}
 
 
 BOTTOM = {depth: Water(1.0, depth=depth) for depth in DEPTHS}
@@ -151,15 +151,18 @@ def _seas() -> list[Vector]:
 def _shells() -> list[Vector]:
     """Shells, G, N and velocities of small cubes."""
     nsp, ls = (*SEARCH, "D1", "D3", "D5", "D26"), ("D1", "D3", "D7", "D8", "D19", "D26")
-    seven = {**_on(OBLONG, BOTTOM[0.7]), **_swell(BOTTOM[0.7], 9, 1.1, 2.1, 65.0, 80.0, (0.12, -0.07))}
-    twelve = {**_on(SHORT, BOTTOM[1.2], "box"), **_swell(BOTTOM[1.2], 7, 1.0, 2.0, -20.0, 110.0, (-0.1, 0.15))}
-    twenty = {**_on(TALL, BOTTOM[2.0]), **_swell(BOTTOM[2.0], 10, 0.9, 1.9, 150.0, 90.0, (0.1, 0.14))}
-    sheared = {**_on(OBLONG, BOTTOM[1.2]), **_swell(BOTTOM[1.2], 10, 1.0, 2.2, 20.0, 100.0, (0.15, -0.05), (0.1, 0.08))}
-    lake = {**_on(FIELD, LAKE), **_swell(LAKE, 8, 0.3, 0.6, 115.0, 80.0, (0.4, -0.3))}
-    tank = {**_on(TANK, CAPILLARY), **_swell(CAPILLARY, 9, 105.0, 210.0, 40.0, 90.0, (0.03, 0.02))}
-    film = {**_on(TANK, FILM), **_swell(FILM, 9, 105.0, 210.0, -60.0, 90.0, (-0.02, 0.03), first=3)}
-    two = {**_on(SQUARE, BOTTOM[1.2], "box"), **aligned(SQUARE, (3, 1, 5), (1, -3, 5), water=BOTTOM[1.2])}
-    half = {**_on(SQUARE, BOTTOM[0.7]), **placed(SQUARE, (2.5, 1.5, 4.5), (-0.5, 3.5, 4.5), (3.5, -1.5, 4.5))}
+    seven = {**on(OBLONG, BOTTOM[0.7]), **swell_over(BOTTOM[0.7], 9, 1.1, 2.1, 65.0, 80.0, (0.12, -0.07))}
+    twelve = {**on(SHORT, BOTTOM[1.2], "box"), **swell_over(BOTTOM[1.2], 7, 1.0, 2.0, -20.0, 110.0, (-0.1, 0.15))}
+    twenty = {**on(TALL, BOTTOM[2.0]), **swell_over(BOTTOM[2.0], 10, 0.9, 1.9, 150.0, 90.0, (0.1, 0.14))}
+    sheared = {
+        **on(OBLONG, BOTTOM[1.2]),
+        **swell_over(BOTTOM[1.2], 10, 1.0, 2.2, 20.0, 100.0, (0.15, -0.05), (0.1, 0.08)),
+    }
+    lake = {**on(FIELD, LAKE), **swell_over(LAKE, 8, 0.3, 0.6, 115.0, 80.0, (0.4, -0.3))}
+    tank = {**on(TANK, CAPILLARY), **swell_over(CAPILLARY, 9, 105.0, 210.0, 40.0, 90.0, (0.03, 0.02))}
+    film = {**on(TANK, FILM), **swell_over(FILM, 9, 105.0, 210.0, -60.0, 90.0, (-0.02, 0.03), first=3)}
+    two = {**on(SQUARE, BOTTOM[1.2], "box"), **aligned(SQUARE, (3, 1, 5), (1, -3, 5), water=BOTTOM[1.2])}
+    half = {**on(SQUARE, BOTTOM[0.7]), **placed(SQUARE, (2.5, 1.5, 4.5), (-0.5, 3.5, 4.5), (3.5, -1.5, 4.5))}
     around = [[0.0, 0.0], [0.12, -0.07], [-0.12, 0.07], [0.3, 0.2], [-0.25, 0.4], [0.05, -0.6]]
     slow = [[0.0, 0.0], [0.03, 0.02], [-0.03, -0.02], [0.08, -0.05]]
     signs = ("negated-current", "flipped-x", "flipped-y", "exchanged-axes")
@@ -242,43 +245,43 @@ def _cubes() -> list[Vector]:
         ("kaiser-bessel", "Kaiser-Bessel with b = pi sqrt 3: another b, or b pi", ("no-taper",)),
     )
     return [
-        *_cube("wide", WIDE, DEEP, _swell(DEEP, 11, 0.9, 1.9, -125.0, 80.0, (-0.11, 0.09), first=2),
+        *_cube("wide", WIDE, DEEP, swell_over(DEEP, 11, 0.9, 1.9, -125.0, 80.0, (-0.11, 0.09), first=2),
                *((window, method, wide, EASY if window == "hann" else MODERATE,
                   f"{purpose}; by {'the normalized scalar product' if method == 'nsp' else 'least squares'}",
                   (*faults, *signs, *(("solve-sign-slip",) if method == "ls" else ())))
                  for window, purpose, faults in windows for method in ("nsp", "ls"))),
-        *_cube("fine", FINE, DEEP, _swell(DEEP, 10, 1.0, 2.1, 35.0, 70.0, (0.06, -0.16), first=5),
+        *_cube("fine", FINE, DEEP, swell_over(DEEP, 10, 1.0, 2.1, 35.0, 70.0, (0.06, -0.16), first=5),
                ("hann", "nsp", fine, MODERATE, "dx less than half of dy, more samples along x: axes exchanged in the "
                 "cube, in the spacing, or in the answer", signs),
                ("blackman", "ls", fine, MODERATE, "the same by least squares", (*signs, "solve-sign-slip"))),
-        *_cube("backwards", SHORT, DEEP, _swell(DEEP, 8, 1.3, 2.2, 80.0, 120.0, (-0.1, -0.85)),
+        *_cube("backwards", SHORT, DEEP, swell_over(DEEP, 8, 1.3, 2.2, 80.0, 120.0, (-0.1, -0.85)),
                ("hann", "nsp", back, HARD, "waves swept backwards by the current: the branch at negative frequencies",
                 ("missing-negative-branch", "negated-current"))),
-        *_cube("prime", PRIME, Water(9.81), _swell(Water(9.81), 6, 0.7, 1.5, 115.0, 60.0, (0.3, 0.2)),
+        *_cube("prime", PRIME, Water(9.81), swell_over(Water(9.81), 6, 0.7, 1.5, 115.0, 60.0, (0.3, 0.2)),
                ("hann", "nsp", [1.1], MODERATE, "gravity 9.81, prime sizes: a width or a range fixed in rad/s",
                 ("hard-coded-width",)),
                ("box", "ls", [1.1], MODERATE, "the same untapered by least squares", ("solve-sign-slip",))),
-        *_cube("depth-0.7", WIDE, BOTTOM[0.7], _swell(BOTTOM[0.7], 11, 0.9, 1.9, 60.0, 80.0, (0.1, 0.08), first=4),
+        *_cube("depth-0.7", WIDE, BOTTOM[0.7], swell_over(BOTTOM[0.7], 11, 0.9, 1.9, 60.0, 80.0, (0.1, 0.08), first=4),
                ("hann", "nsp", wide, MODERATE, "k0 h = 0.7: deep water taken, or a tanh outside the root", signs),
                ("box", "nsp", wide, MODERATE, "the same untapered", ("no-taper",)),
                ("hann", "ls", wide, MODERATE, "the same by least squares", (*signs, "solve-sign-slip"))),
         *_cube("depth-1.2", TALL, BOTTOM[1.2],
-               _swell(BOTTOM[1.2], 12, 0.9, 1.9, 150.0, 75.0, (0.1, 0.14), (0.06, -0.08)),
+               swell_over(BOTTOM[1.2], 12, 0.9, 1.9, 150.0, 75.0, (0.1, 0.14), (0.06, -0.08)),
                ("hann", "nsp", tall, MODERATE, "k0 h = 1.2, a sheared current: each k has its own velocity", signs),
                ("kaiser-bessel", "ls", tall, MODERATE, "the same by least squares", (*signs, "solve-sign-slip"))),
-        *_cube("depth-2", OBLONG, BOTTOM[2.0], _swell(BOTTOM[2.0], 9, 1.1, 2.1, 65.0, 80.0, (0.12, -0.07), first=6),
+        *_cube("depth-2", OBLONG, BOTTOM[2.0], swell_over(BOTTOM[2.0], 9, 1.1, 2.1, 65.0, 80.0, (0.12, -0.07), first=6),
                ("blackman", "nsp", wide, MODERATE, "k0 h = 2, nearly deep: a depth that is ignored without being told",
                 signs),
                ("box", "ls", wide, MODERATE, "the same untapered by least squares", (*signs, "solve-sign-slip"))),
-        *_cube("lake", FIELD, LAKE, _swell(LAKE, 8, 0.3, 0.6, 115.0, 80.0, (0.4, -0.3)),
+        *_cube("lake", FIELD, LAKE, swell_over(LAKE, 8, 0.3, 0.6, 115.0, 80.0, (0.4, -0.3)),
                ("hann", "nsp", [0.4, 0.5], MODERATE, "4.2 m deep: depth in feet, negative, or times k in cycles",
                 ("hard-coded-width",)),
                ("hann", "ls", [0.4, 0.5], MODERATE, "the same by least squares", ("solve-sign-slip",))),
-        *_cube("tank", TANK, CAPILLARY, _swell(CAPILLARY, 9, 105.0, 210.0, 40.0, 90.0, (0.03, 0.02)),
+        *_cube("tank", TANK, CAPILLARY, swell_over(CAPILLARY, 9, 105.0, 210.0, 40.0, 90.0, (0.03, 0.02)),
                ("hann", "nsp", [130.0, 170.0], MODERATE, "waves of 3 to 6 cm: tension left out, or without the density",
                 ("hard-coded-width",)),
                ("hann", "ls", [130.0, 170.0], MODERATE, "the same by least squares", ())),
-        *_cube("film", TANK, FILM, _swell(FILM, 9, 105.0, 210.0, -60.0, 90.0, (-0.02, 0.03), first=3),
+        *_cube("film", TANK, FILM, swell_over(FILM, 9, 105.0, 210.0, -60.0, 90.0, (-0.02, 0.03), first=3),
                ("hann", "nsp", [130.0, 170.0], HARD, "tension and a bottom: k^2 for k^3, or one term's tanh",
                 ("hard-coded-width",))),
     ]  # fmt: skip

@@ -6,6 +6,7 @@ form of the paper's figures: bias and twice the random part against wavenumber, 
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,6 +19,7 @@ from leakref.dispersion import DEEP, velocity_resolutions
 from leakref.ensemble import statistics_record
 from leakref.figures import Result, result_figure, save
 from leakref.golden.sets import Golden, locate
+from leakref.methods import DEFAULT
 
 __all__ = ["RESULTS", "Stored", "draw_illustrations", "draw_results", "run", "stored"]
 
@@ -82,13 +84,20 @@ def stored(golden: Golden | None = None) -> Iterator[Stored]:
 
 def draw_results(out: Path, results: Sequence[Result], realizations: int) -> list[dict[str, Any]]:
     """A figure for each case, or each of its rotations, in the form of the paper's: `labels` there, `files` here.
-    `results` are Ensembles or Stored; of LS only those of its own case are drawn. Each figure is a PNG and an SVG.
+
+    `results` are Ensembles or Stored. Of LS only those of its own case are drawn, unless other methods are there too:
+    then a case of a single configuration has all of them in one figure, and of others each method but LS has its own,
+    named after it but for NSP. Each figure is a PNG and an SVG.
     """
     groups: dict[str, list[Result]] = {}
+    counted = Counter(c.case for c in {e.configuration.id: e.configuration for e in results}.values())
+    compared = {e.method for e in results} - {*DEFAULT}  # else of LS only those of its own case are drawn
+    several = {case for case, count in counted.items() if case != "nsp-ls" and (count > 1 or not compared)}
     for e in results:
-        if e.method == "nsp" or e.configuration.case == "nsp-ls":
+        if e.configuration.case not in several or e.method != "ls":
             rotated = f"_rotated{e.configuration.rotation:g}" if e.configuration.rotation else ""
-            groups.setdefault(e.configuration.case + rotated, []).append(e)
+            own = f"_{e.method}" if e.configuration.case in several and e.method != "nsp" else ""
+            groups.setdefault(e.configuration.case + rotated + own, []).append(e)
     drawn = []
     for name, members in groups.items():
         still = not any(e.configuration.speed for e in members)

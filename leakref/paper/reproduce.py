@@ -21,6 +21,7 @@ from leakref._tables import Table
 from leakref.cases import ASSUMED_DEEP, Configuration, configurations
 from leakref.dispersion import DEEP
 from leakref.ensemble import Ensemble
+from leakref.methods import DEFAULT
 from leakref.paper import depth, inferredtables
 from leakref.paper.shear import DIRECTIONS, Inferred, Sheared, answer, inferred, sheared
 from leakref.shell import Note
@@ -48,6 +49,7 @@ def run(
     workers: int = 1,
     scheduler: str = "",
     everything: bool = False,
+    methods: Sequence[str] = DEFAULT,
 ) -> bool:
     """Run the configurations named by `ids`, write everything to `out`, print the tables; returns True.
 
@@ -66,7 +68,13 @@ def run(
     where = runs.connected(scheduler) if scheduler else runs.pool(workers)
     with progress_bar("realisations", realizations * len(chosen)) as step, where as executor:
         for found in runs.run(
-            chosen, realizations=realizations, route=route, folder=out / "parts", executor=executor, after_each=step
+            chosen,
+            realizations=realizations,
+            methods=methods,
+            route=route,
+            folder=out / "parts",
+            executor=executor,
+            after_each=step,
         ):
             done += found
             _write(out, found[0].configuration.id, found)
@@ -158,10 +166,14 @@ def _draw(out: Path, ensembles: Sequence[Ensemble], realizations: int, everythin
         drawn += draw_illustrations(out)
     of_shear = [e for e in ensembles if isinstance(e.configuration, Sheared)]
     paths = [path for one in drawn for path in one["files"]]
+    count = f"{realizations} realisation{'s' * (realizations > 1)}"
+    if len({e.method for e in ensembles}) > 2 and len({e.configuration.id for e in ensembles}) > 1:
+        from leakref.paper.methodsfigure import methods_figure
+
+        paths += save(methods_figure(ensembles, f"from the peak up, {count}"), out / "figure_methods")
     if over_bottom:
         from leakref.paper.depthfigure import depth_figure
 
-        count = f"{realizations} realisation{'s' * (realizations > 1)}"
         words = f"What it costs to take water for deep: errors in still water, {count}"
         paths += save(depth_figure(over_bottom, words), out / "figure_depth")
     if of_shear:

@@ -19,6 +19,7 @@ from leakref import runs
 from leakref._base import LeakrefError
 from leakref._output import console, dump, envelope, folder, progress_bar, write_whole
 from leakref._tables import Table
+from leakref.methods import DEFAULT, METHODS
 from leakref.planning.advice import advice, scope
 from leakref.planning.flight import default_realizations, work
 from leakref.planning.plan import GRAVITY, Campaign, Expected, Plan, expected, plan, swept
@@ -45,12 +46,7 @@ _WORDS = {("depth", "deep"): np.inf, ("surface-tension", "water"): CLEAN_WATER}
 _MOST_VALUES = 40
 _POOL = 60e6  # bins in all realisations together from which starting processes pays
 _SHOWN = (1.5, 1.0, 0.5)  # wavelengths in a sweep's table, in those of the peak
-_WAYS = {
-    ("box", "nsp"): "untapered NSP",
-    ("hann", "nsp"): "Hann NSP",
-    ("box", "ls"): "untapered LS",
-    ("hann", "ls"): "Hann LS",
-}
+_WINDOWS = {"box": "untapered", "hann": "Hann"}
 
 
 def _value(option: str, text: str) -> float:
@@ -116,6 +112,7 @@ def run(
     workers: int,
     cores: int,
     json: bool,
+    methods: Sequence[str] = DEFAULT,
 ) -> bool:
     """Simulate the campaign that the options describe, write everything to `out`, print it; returns True.
 
@@ -139,8 +136,9 @@ def run(
         progress_bar("realisations", total) as step,
         runs.pool(workers or (cores if effort > _POOL else 1)) as executor,
     ):
-        found = plan(campaign, count, executor=executor, after_each=step)
-        sweeps = expected(campaigns, fewer, executor=executor, after_each=step) if campaigns else []
+        found = plan(campaign, count, methods=methods, executor=executor, after_each=step)
+        asked = tuple(dict.fromkeys(method for _, method in found.ways))
+        sweeps = expected(campaigns, fewer, methods=asked, executor=executor, after_each=step) if campaigns else []
     record = _record(found, advice(found), count)
     if sweep:
         record["sweep"] = {
@@ -301,7 +299,21 @@ def _show(
     sweeps: Sequence[Mapping[tuple[str, str], Expected]],
 ) -> None:
     """The table, green where a wavelength can be trusted, the sweep, and the advice."""
-    show, best = Console(), found.best
+    show = Console()
+    methods = list(dict.fromkeys(method for _, method in found.ways))
+    for first in range(0, len(methods), 2):  # wider is no table any more
+        show.print(_ways_table(found, methods[first : first + 2]))
+    if sweeps:
+        show.print(_sweep_table(name, values, sweeps))
+    for sentence in said:
+        show.print(f"- {sentence}", soft_wrap=True, highlight=False)
+    for sentence in (scope(found).words, scope(found).advice):
+        show.print(f"{sentence}.", soft_wrap=True, highlight=False, markup=False)
+
+
+def _ways_table(found: Plan, methods: Sequence[str]) -> Table:
+    """Errors by both windows and some methods, green where a wavelength can be trusted."""
+    best = found.best
     count = len(best.measured.velocities)
     words = (depth_words(found.campaign.depth), tension_words(found.campaign.surface_tension))
     in_water = ", ".join(word for word in words if word)
@@ -316,24 +328,18 @@ def _show(
         pad_edge=False,
         padding=(0, 1, 0, 0),
     )
-    for heading in ("length\n(m)", *(words.replace(" ", "\n") for words in _WAYS.values())):
+    for heading in ("length\n(m)", *(f"{words}\n{METHODS[m].title}" for m in methods for words in _WINDOWS.values())):
         table.add_column(heading, justify="right")
     for heading in ("domega\n/ k", "cg dk\n/ k"):
         table.add_column(heading, justify="right", style="dim")
     for row, wavelength in enumerate(best.wavelengths):
         cells = [
             f"[green]{text}[/green]" if e.trusted[row] else text
-            for e in (found.ways[key] for key in _WAYS)
+            for e in (found.ways[window, m] for m in methods for window in _WINDOWS)
             for text in [f"{e.bias[row]:.3f}±{e.random[row]:.3f}"]
         ]
         table.add_row(f"{wavelength:.2f}", *cells, *(f"{values[row]:.3f}" for values in best.resolutions))
-    show.print(table)
-    if sweeps:
-        show.print(_sweep_table(name, values, sweeps))
-    for sentence in said:
-        show.print(f"- {sentence}", soft_wrap=True, highlight=False)
-    for sentence in (scope(found).words, scope(found).advice):
-        show.print(f"{sentence}.", soft_wrap=True, highlight=False, markup=False)
+    return table
 
 
 def _sweep_table(name: str, values: Sequence[float], sweeps: Sequence[Mapping[tuple[str, str], Expected]]) -> Table:

@@ -14,7 +14,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter, ScalarFormatter
 
-from leakref.figures import COLOURS, WINDOW_WORDS, figure, styled
+from leakref.figures import COLOURS, SIGNS, WINDOW_WORDS, figure, styled
 from leakref.methods import METHODS
 from leakref.planning.plan import Expected, Plan
 
@@ -43,25 +43,29 @@ def plan_figure(plan: Plan, title: str) -> Figure:
     """Bias above, twice the random part below, m/s against wavelength; untapered left, tapered right.
 
     Solid and dashed grey: the velocity resolutions. Shaded: where NSP and a taper can be trusted. Dotted: the current.
-    Bands are two standard errors of the bias. The axis begins below the smallest number that is drawn as a line; a band
-    that reaches lower is cut there.
+    Bands are two standard errors of the bias, where there are two methods. The axis begins below the smallest number
+    that is drawn as a line; a band that reaches lower is cut there.
     """
     lowest = _lowest(plan.ways.values())
-    windows = list(dict.fromkeys(window for window, _ in plan.ways))
+    windows, methods = (list(dict.fromkeys(key[n] for key in plan.ways)) for n in (0, 1))
     drawing, axes = figure(2, len(windows), width=8.5, sharex=True, sharey=True)
     for (window, method), e in plan.ways.items():
-        look = {"color": COLOURS[list(METHODS).index(method)], "lw": 1.4, "label": METHODS[method].title}
+        look = {"color": COLOURS[methods.index(method)], "lw": 1.4, "label": METHODS[method].title}
+        if len(methods) > 2:
+            n = methods.index(method)
+            look |= {"marker": SIGNS[n % len(SIGNS)], "markevery": (n, len(methods)), "ms": 4}
         column = windows.index(window)
         axes[0, column].plot(e.wavelengths, e.bias, **look)
-        axes[0, column].fill_between(
-            e.wavelengths,
-            np.maximum(e.bias - 2 * e.standard_error, lowest),
-            e.bias + 2 * e.standard_error,
-            color=look["color"],
-            alpha=0.2,
-            lw=0,
-            label=rf"{METHODS[method].title} $\pm$ 2 standard errors",
-        )
+        if len(methods) <= 2:
+            axes[0, column].fill_between(
+                e.wavelengths,
+                np.maximum(e.bias - 2 * e.standard_error, lowest),
+                e.bias + 2 * e.standard_error,
+                color=look["color"],
+                alpha=0.2,
+                lw=0,
+                label=rf"{METHODS[method].title} $\pm$ 2 standard errors",
+            )
         axes[1, column].plot(e.wavelengths, 2 * e.random, **look)
     best = plan.best
     for ax in axes.flat:

@@ -22,6 +22,7 @@ from leakref._base import FloatArray, LeakrefError, finite, integer, number, pos
 from leakref.dispersion import Scales, Water
 from leakref.ensemble import Ensemble
 from leakref.grid import SPACING, TIME_STEP
+from leakref.methods import DEFAULT
 from leakref.planning.flight import Flight, default_realizations, work
 from leakref.planning.quantities import depth_fault, tension_fault
 from leakref.shell import HALF_WIDTH
@@ -332,7 +333,8 @@ class Expected:
 class Plan:
     """What to expect of a campaign by (window, method); tapered, by NSP, also with twice the area or the duration.
 
-    `ways` has both windows and both methods; `larger` and `longer` are Hann and NSP only, of half as many realisations.
+    `ways` has both windows, NSP, LS and what else is asked for; `larger` and `longer` are Hann and NSP only, of half as
+    many realisations.
     """
 
     campaign: Campaign
@@ -351,7 +353,7 @@ def expected(
     realizations: int,
     *,
     windows: tuple[str, ...] = ("box", "hann"),
-    methods: tuple[str, ...] = ("nsp", "ls"),
+    methods: tuple[str, ...] = DEFAULT,
     executor: Executor | None = None,
     after_each: Callable[[], object] = lambda: None,
 ) -> list[dict[tuple[str, str], Expected]]:
@@ -372,16 +374,18 @@ def plan(
     campaign: Campaign,
     realizations: int | None = None,
     *,
+    methods: Sequence[str] = DEFAULT,
     executor: Executor | None = None,
     after_each: Callable[[], object] = lambda: None,
 ) -> Plan:
     """Simulate `campaign`, and half as often what twice the area or twice the duration would give. Raises LeakrefError.
 
     `after_each` is called after every realisation: twice `realizations` times, if that is even. `realizations` None
-    takes `default_realizations`.
+    takes `default_realizations`; `methods` are those beside NSP and LS, on which the advice rests.
     """
     count = realizations or default_realizations(campaign.flight)
-    ways = expected([campaign], count, executor=executor, after_each=after_each)[0]
+    methods = tuple(dict.fromkeys((*DEFAULT, *methods)))
+    ways = expected([campaign], count, methods=methods, executor=executor, after_each=after_each)[0]
     others = expected(
         [campaign.enlarged(area=2), campaign.enlarged(duration=2)],
         max(2, count // 2),

@@ -23,6 +23,7 @@ from leakref._output import console, dump, envelope, folder, progress_bar, write
 from leakref._tables import Table
 from leakref.certify.targets import HarnessBroken, Limits, connect
 from leakref.golden.beside import noted
+from leakref.methods import DEFAULT
 from leakref.track import history, tracking
 from leakref.track.changes import ALPHA, POWER, VERDICTS, Change, Comparison, compare
 from leakref.track.timings import compare_timings, timings
@@ -44,6 +45,7 @@ class Request:
     - `realizations`, `first`: how many, and the number of the first.
     - `source`: further files and folders that the target is made of.
     - `timings`, `yardstick`: JSON of pytest-benchmark, and the benchmark that the others are held against.
+    - `methods`: of the reference; another target has those it declares.
     - `timeout`, `start`: seconds, None for the defaults; `memory`: GiB; `workers`: processes, for the reference only.
     """
 
@@ -61,6 +63,7 @@ class Request:
     memory: float = 8.0
     workers: int = 1
     start: float | None = None
+    methods: Sequence[str] = DEFAULT
 
 
 def run_record(request: Request, *, json: bool) -> int:
@@ -77,7 +80,7 @@ def run_record(request: Request, *, json: bool) -> int:
     numbers = range(request.first, request.first + request.realizations)
     try:
         if is_reference:
-            said, series, silent = _reference(scenes, numbers, request.workers)
+            said, series, silent = _reference(scenes, numbers, request)
             source = tracking.source_of_reference()
         else:
             said, series, silent = _any(request, words, scenes, numbers)
@@ -153,13 +156,15 @@ def _timed(request: Request) -> dict[str, Any] | None:
 Measured = tuple[Mapping[str, Any], list[Series], list[str]]
 
 
-def _reference(scenes: Sequence[Scene], numbers: range, workers: int) -> Measured:
+def _reference(scenes: Sequence[Scene], numbers: range, request: Request) -> Measured:
     """By the compiled twin, over processes."""
     from leakref.chain import reference
 
     # a pool takes seconds to start, and a hundred realisations of a case on one core take twenty
-    with progress_bar("realisations", len(scenes) * len(numbers)) as step, runs.pool(workers) as executor:
-        series = tracking.measure_reference(scenes, numbers, executor=executor, after_each=step)
+    with progress_bar("realisations", len(scenes) * len(numbers)) as step, runs.pool(request.workers) as executor:
+        series = tracking.measure_reference(
+            scenes, numbers, methods=request.methods, executor=executor, after_each=step
+        )
     return reference.describe(), series, []
 
 

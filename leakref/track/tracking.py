@@ -34,7 +34,7 @@ from leakref.certify.verdict import Unanswered, printable
 from leakref.currents import UniformCurrent
 from leakref.decisions import DECISIONS
 from leakref.golden.digests import digest
-from leakref.methods import METHODS
+from leakref.methods import DEFAULT
 
 __all__ = [
     "COARSE",
@@ -212,28 +212,29 @@ def _cube(configuration: Configuration, realization: int) -> Cube:
 # ------------------------------------------------------------ measuring
 
 
-def _by_reference(name: str, realization: int) -> FloatArray:
-    """Errors (w, m, n) of the reference under the scene's windows and all methods."""
+def _by_reference(name: str, methods: Sequence[str], realization: int) -> FloatArray:
+    """Errors (w, m, n) of the reference under the scene's windows."""
     shown = scene(name)
     cube = shown.cube(realization)
     with runs.one_thread():
         found = fast.realize(
-            cube.components, cube.grid, cube.wavenumbers, windows=shown.windows, methods=tuple(METHODS), gravity=1.0
+            cube.components, cube.grid, cube.wavenumbers, windows=shown.windows, methods=methods, gravity=1.0
         )
-    return np.array([[np.hypot(*(found[w, m].velocities - cube.truth).T) for m in METHODS] for w in shown.windows])
+    return np.array([[np.hypot(*(found[w, m].velocities - cube.truth).T) for m in methods] for w in shown.windows])
 
 
 def measure_reference(
     scenes: Sequence[Scene],
     realizations: range,
     *,
+    methods: Sequence[str] = DEFAULT,
     executor: Executor | None = None,
     after_each: Progress = lambda: None,
 ) -> list[Series]:
     """The reference by its fast path; realisations are tasks for `executor` (default: this process)."""
     series = []
     for one in scenes:
-        work = partial(_by_reference, one.id)
+        work = partial(_by_reference, one.id, methods)
         parts = []
         for part in executor.map(work, realizations) if executor else map(work, realizations):
             parts.append(part)
@@ -242,7 +243,7 @@ def measure_reference(
         series += [
             _series(one, window, method, realizations.start, errors[:, w, m])
             for w, window in enumerate(one.windows)
-            for m, method in enumerate(METHODS)
+            for m, method in enumerate(methods)
         ]
     return series
 

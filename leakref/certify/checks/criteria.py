@@ -46,6 +46,7 @@ __all__ = [
     "untapered",
     "vector",
     "verdict",
+    "width",
     "with_the_crests",
     "worst",
 ]
@@ -310,4 +311,9 @@ def score(cube: Cube, window: str, wavenumber: float, velocity: FloatArray, meth
     maximised = METHODS[method].score
     assert maximised is not None
     shell = shell_at(spectrum_of(cube, window), wavenumber, water=cube.water)
-    return maximised(shell, velocity, WIDTH * cube.grid.frequency_resolution)
+    return maximised(shell, velocity, width(cube, wavenumber, method))
+
+
+def width(cube: Cube, wavenumber: float, method: str) -> float:
+    """a of eq:DSVkernel of a method that maximises N, in rad per time."""
+    return WIDTH * cube.grid.frequency_resolution * METHODS[method].spread(cube.grid, cube.water, wavenumber)

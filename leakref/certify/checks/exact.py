@@ -14,7 +14,7 @@ import numpy as np
 
 from leakref._base import FloatArray
 from leakref.certify.checks import inputs
-from leakref.certify.checks.criteria import ask, expected, score, spectrum_of, tapered, verdict
+from leakref.certify.checks.criteria import ask, expected, score, spectrum_of, tapered, verdict, width
 from leakref.certify.checks.identity import identify
 from leakref.certify.checks.inputs import Cube
 from leakref.certify.checks.registry import Outcome
@@ -22,8 +22,8 @@ from leakref.certify.subject.frames import Subject
 from leakref.certify.verdict import Unanswered, Verdict
 from leakref.dispersion import DEEP
 from leakref.grid import Grid
-from leakref.methods import METHODS
-from leakref.nsp import WIDTH, score_range
+from leakref.methods import DEFAULT, METHODS
+from leakref.nsp import score_range
 from leakref.shell import shell_at
 from leakref.window import WINDOWS
 
@@ -123,11 +123,12 @@ def deep_only() -> None:
 
 def answers(cube: Cube, window: str, method: str) -> list[FloatArray]:
     """What is right, (n, 2) each: untapered the current, tapered what the methods of the reference find. Of a method
-    that it does not have either will do.
+    that it does not have either will do, and so untapered of one whose G is wider than the branches are apart.
     """
     if window == "box" or window not in WINDOWS:
-        return [cube.truth]
-    found = [expected(cube, window, name).velocities for name in ([method] if method in METHODS else METHODS)]
+        wider = method in METHODS and METHODS[method].spread(cube.grid, cube.water, float(cube.wavenumbers[0])) > 1
+        return [cube.truth, expected(cube, window, method).velocities] if wider else [cube.truth]
+    found = [expected(cube, window, name).velocities for name in ([method] if method in METHODS else DEFAULT)]
     return found if method in METHODS else [cube.truth, *found]
 
 
@@ -174,9 +175,9 @@ def as_good(
     No answer passes by its score that lies beyond the range in which a score means anything (`nsp.score_range`).
     """
     if method in METHODS and METHODS[method].score:
-        a = WIDTH * cube.grid.frequency_resolution
         for n in np.flatnonzero(over > 1):
             shell = shell_at(spectrum_of(cube, window), float(cube.wavenumbers[n]), water=cube.water)
+            a = width(cube, float(cube.wavenumbers[n]), method)
             if not np.hypot(*found[n]) <= score_range(shell, a, 1.0):
                 continue
             best, own = (score(cube, window, float(cube.wavenumbers[n]), c[n], method) for c in (should, found))

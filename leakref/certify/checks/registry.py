@@ -48,6 +48,8 @@ class Case:
     """What its input is drawn from, in families that are (`draw.DRAWN`)."""
     water: tuple[str, ...] = ()
     """What of the water a code must be told for this to be asked of it."""
+    method: str = ""
+    """The method that a code must declare for this to be asked of it; empty where it is of the paper's, or of all."""
 
 
 @dataclass(frozen=True)
@@ -99,6 +101,8 @@ class Check:
             return replace(blank, verdict=Verdict.UNSUPPORTED, message=f"is not told the {' and '.join(lacking)}")
         if self.watched and not subject.watched:
             return replace(blank, verdict=Verdict.UNSUPPORTED, message="only watching can tell, and nobody watched")
+        if case.method not in ("", *subject.declaration.methods):
+            return replace(blank, verdict=Verdict.UNSUPPORTED, message=f"does not offer the method {case.method}")
         identify(subject)
         subject.calls.clear()
         subject.gaps = ""

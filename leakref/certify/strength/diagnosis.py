@@ -32,6 +32,7 @@ from leakref.certify.subject.declaration import GIVEN
 from leakref.certify.subject.frames import OWN, Subject
 from leakref.certify.verdict import WRONG, Finding, Verdict
 from leakref.golden.sets import NEWEST
+from leakref.methods import DEFAULT
 
 __all__ = ["ENOUGH", "Diagnosis", "Hypothesis", "departure", "diagnose", "explain"]
 
@@ -277,14 +278,19 @@ def _attempts(
 ) -> Iterator[tuple[str, Sequence[Finding], Iterable[Names]]]:
     """What to compare with which hypotheses, one after the other, and how to say where it was compared."""
     told = GIVEN in (declared.get("water") or {}).values()  # else no depth is handed over that could be mistaken
-    chain = {name: fault for name, fault in faults.FAULTS.items() if fault.family != "sea"}
-    singles: list[Names] = [(name,) for name, fault in chain.items() if told or fault.stage != "water"]
+    named = set(declared["can"].get("extract", {}).get("methods", ()))
+    tried = [
+        name
+        for name, fault in faults.FAULTS.items()
+        if fault.family != "sea" and (fault.methods == DEFAULT or named & {*fault.methods})
+    ]
+    singles: list[Names] = [(name,) for name in tried if told or faults.FAULTS[name].stage != "water"]
     yield "", findings, singles
     if deep:
         yield (
             "",
             findings,
-            (pair for pair in combinations(chain, 2) if replays.implementation(pair) is not None),
+            (pair for pair in combinations(tried, 2) if replays.implementation(pair) is not None),
         )
     if any(f.id.startswith(TWICE) for f in findings):  # its numbers are no evidence
         yield "", [f for f in findings if f.family == "behaviour"], singles

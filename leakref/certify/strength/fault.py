@@ -11,6 +11,7 @@ from leakref._base import FloatArray
 from leakref.altered import Change
 from leakref.chain import Reference
 from leakref.generator import Generator
+from leakref.methods import DEFAULT, METHODS
 
 __all__ = [
     "CALL",
@@ -40,7 +41,7 @@ __all__ = [
     "unchecked",
 ]
 
-STAGES = ("frame", "units", "synthesis", "window", "spectrum", "shell", "water", "nsp", "ls", "behaviour", "sea")
+STAGES = ("frame", "units", "synthesis", "window", "spectrum", "shell", "water", *METHODS, "behaviour", "sea")
 """Where in the chain a fault sits, in the order in which the faults are listed."""
 
 
@@ -50,6 +51,7 @@ class Fault:
 
     Either `changes` to the chain, or an `instead` of the reference. `sound`: a code like this is another algorithm,
     and only conformance tells. `killing_input` is a finding on which the effect is at least ten times the tolerance.
+    The code with the fault declares `methods`.
     """
 
     id: str
@@ -59,6 +61,7 @@ class Fault:
     changes: tuple[Change, ...] = ()
     instead: type[Reference] | type[Generator] | None = None
     killing_input: str = ""
+    methods: tuple[str, ...] = DEFAULT
 
     @property
     def sound(self) -> bool:

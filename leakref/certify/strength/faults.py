@@ -17,6 +17,7 @@ from typing import Any
 
 from leakref._base import LeakrefError
 from leakref.altered import Change, altered
+from leakref.certify.strength import beside
 from leakref.certify.strength.fault import (
     CENTRES,
     DEEP_ROOT,
@@ -375,8 +376,9 @@ _BEHAVIOUR = (
     Fault("rounded-answer", "behaviour", "recovery", "velocities are rounded to one decimal",
           (answer("np.round(FOUND, 1)"),)),
 )
-FAULTS: dict[str, Fault] = {fault.id: replace(fault, killing_input=KILLING_INPUT_OF.get(fault.id, "")) for fault in (
-    *_FRAME, *_UNITS, *_SYNTHESIS, *_WINDOW, *_SPECTRUM, *_SHELL, *_WATER, *_NSP, *_LS, *_BEHAVIOUR, *SEA_FAULTS)}
+FAULTS: dict[str, Fault] = {f.id: replace(f, killing_input=KILLING_INPUT_OF.get(f.id, f.killing_input)) for f in (
+    *_FRAME, *_UNITS, *_SYNTHESIS, *_WINDOW, *_SPECTRUM, *_SHELL, *_WATER, *_NSP, *_LS, *beside.FAULTS, *_BEHAVIOUR,
+    *SEA_FAULTS)}
 """Every fault by id, stage by stage."""
 
 
@@ -387,5 +389,6 @@ def implementation(identifier: str) -> Any:
     fault = FAULTS[identifier]
     chain = altered(fault.changes)
     made = chain.generator.Generator if fault.family == "sea" else chain.chain.Reference
+    declared = {} if fault.family == "sea" else beside.offering(fault.methods)
     inner = fault.instead() if fault.instead else made()
-    return Named(inner, f"fault:{identifier}", null=identifier != "nan-as-number")
+    return Named(inner, f"fault:{identifier}", null=identifier != "nan-as-number", **declared)

@@ -43,7 +43,7 @@ from leakref.certify.subject.frames import Call
 from leakref.certify.subject.inprocess import InProcess
 from leakref.certify.verdict import Finding, Verdict
 from leakref.golden.sets import locate
-from leakref.methods import METHODS
+from leakref.methods import DEFAULT, METHODS
 
 __all__ = ["ENOUGH", "Names", "Scored", "implementation", "methods", "pairs", "question", "tried"]
 
@@ -63,8 +63,8 @@ def methods(declared: Mapping[str, Any]) -> list[list[str]]:
     """Methods of the reference to compare with: those that are declared, else one after the other."""
     named = declared["can"].get("extract", {}).get("methods", ())
     if named:
-        return [[name for name in named if name in METHODS] or list(METHODS)[:1]]
-    return [[name] for name in METHODS]
+        return [[name for name in named if name in METHODS] or list(DEFAULT)[:1]]
+    return [[name] for name in DEFAULT]
 
 
 def question(

@@ -2,8 +2,7 @@
 
 They keep the checks honest. Some are the reference behind another frame, unit or scale; some are its chain with a
 choice made otherwise; some are written from the paper a second time, over the whole space, with plain sums and somebody
-else's optimiser. Each says which grade it deserves: *conformant*, or *sound* where it is another algorithm or a rounder
-number.
+else's optimiser. Each says which grade it deserves: *conformant*, or *sound* if another algorithm or a rounder number.
 """
 
 from __future__ import annotations
@@ -19,6 +18,7 @@ from scipy.optimize import minimize
 from leakref._base import FloatArray, LeakrefError
 from leakref._caches import njit
 from leakref.altered import Change, altered
+from leakref.certify.strength import beside
 from leakref.certify.subject.named import Named
 from leakref.chain import Reference, extract, reference
 from leakref.dispersion import Water
@@ -395,5 +395,6 @@ VARIANTS = {variant.id: variant for variant in (
     Variant("loops", "conformant", "sums bin by bin in plain loops", _ByLoops),
     Variant("no-taper", "sound", "tapers nothing, and says so", lambda: _Own(tapers=False)),
     Variant("band", "sound", "fits one current to the whole band", _Band),
+    Variant("every-method", "conformant", "offers all methods of the reference", beside.every),
 )}  # fmt: skip
 """Every variant by id."""

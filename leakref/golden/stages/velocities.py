@@ -1,13 +1,13 @@
 """Scores, velocities and their statistics.
 
-The stages are `score` and `derivatives` (N of eq:normSp, its gradient and Hessian), `nsp` and `ls` (the velocities that
-maximise it, or minimise eq:LS1), `extract` (the whole chain from a surface) and `statistics` (bias and random part of
-sec:parameters). The conditioning of a velocity is the hardest of all and has its own functions here, which `entries`
-uses for whole seas.
+The stages are `score` and `derivatives` (N of eq:normSp, its gradient and Hessian), one for each method (the velocities
+that maximise it, or minimise eq:LS1, and so on), `extract` (the whole chain from a surface) and `statistics` (bias and
+random part of sec:parameters). The conditioning of a velocity is the hardest of all and has its own functions here,
+which `entries` uses for whole seas.
 
 - `score`: waves or a surface, a shell and `velocities` (m, 2); `N` (m,).
 - `derivatives`: likewise with one `velocity`; `N`, `gradient` (2,), `hessian` (2, 2).
-- `nsp`, `ls`: waves or a surface and `wavenumbers` (n,); `velocities` (n, 2) and notes.
+- each method, `nsp`, `ls` and so on: waves or a surface and `wavenumbers` (n,); `velocities` (n, 2) and notes.
 - `extract`: a surface, `spacing`, `wavenumbers`, the water, `window`, `method`; the same.
 - `statistics`: `velocities` (R, n, 2); `bias`, `random`, `standard_error`, `count` (n,), `mean` (n, 2).
 """
@@ -24,7 +24,7 @@ from leakref.cases import Configuration
 from leakref.chain import analyse, extract
 from leakref.dispersion import DEEP, Water, velocity_unit
 from leakref.ensemble import Ensemble
-from leakref.golden import oracle
+from leakref.golden import oracle, oraclemethods
 from leakref.golden.sets import tolerance
 from leakref.golden.stages.spectra import oracle_shell, oracle_values, shell_of, width_of
 from leakref.golden.stages.stage import (
@@ -39,6 +39,7 @@ from leakref.golden.stages.stage import (
     turns,
     water_of,
 )
+from leakref.methods import METHODS
 from leakref.nsp import WIDTH, normalized_scalar_product, score_derivatives
 from leakref.shell import Extraction, Shell, shell_at
 from leakref.spectrum import Spectrum
@@ -124,11 +125,12 @@ def _score_conditioning(given: Input, found: Output) -> Output:
 def softness(method: str, score: float, hessian: FloatArray, unit: float = 1.0) -> float:
     """How much worse than `UNFLAGGED` an optimum is conditioned: 1, and more where it is flat; `unit` is c0.
 
-    `hessian` (2, 2) is that of N for `nsp`, of the cost for `ls`; `score` is N. For NSP the smaller curvature counts,
-    in `c0^2` over N; for LS the ratio of the two, how stiff the normal matrix is over how soft.
+    `hessian` (2, 2) is that of N for a method that maximises it, else of a sum of squares; `score` is N. Of N the
+    smaller curvature counts, in `c0^2` over N; of squares the ratio of the two, how stiff the normal matrix is over how
+    soft.
     """
     curvature = np.abs(np.linalg.eigvalsh(hessian))
-    if method == "nsp":
+    if METHODS[method].score:
         return float(max(1.0, _FLAT * score / max(curvature[0] * unit**2, 1e-300)))
     return float(max(1.0, curvature[1] / curvature[0] / _ILL))
 
@@ -137,7 +139,8 @@ def velocity_conditioning(spectrum: Spectrum, found: Extraction, rounding: float
     """Of the velocity at each wavenumber (n,), NaN where there is none; `rounding` of S, in 2^-52 of its largest.
 
     NSP: the roundings of F move the gradient of N, and the inverse of its Hessian turns that into velocity; besides,
-    those of omega over k. LS: those of omega, through the pseudo-inverse of the wavenumbers of the strong bins. To take
+    those of omega over k. LS: those of omega, through the pseudo-inverse of the wavenumbers of the strong bins; where
+    points of a crest are fitted also those of F, which move a point by a bin times as much. To take
     all roundings as large as those of the strongest bin is too much where the shell is far below it: the figure for the
     curvature, `UNFLAGGED` times `softness`, is the most that is allowed.
     """
@@ -149,8 +152,9 @@ def velocity_conditioning(spectrum: Spectrum, found: Extraction, rounding: float
             continue
         shell = shell_at(spectrum, float(k), water=water)
         own = 4 * (float(shell.omega[-1]) / float(k) + float(np.hypot(*c)))
-        if found.method == "nsp":
-            width = WIDTH * spectrum.grid.frequency_resolution
+        record, domega = METHODS[found.method], spectrum.grid.frequency_resolution
+        if record.score:
+            width = WIDTH * domega * record.spread(spectrum.grid, water, float(k))
             _, spread = _sensitivity(shell, c, width)
             inverse = np.linalg.inv(hessian)
             moved = float(np.sqrt(np.trace(inverse @ spread @ inverse.T))) * largest
@@ -159,6 +163,8 @@ def velocity_conditioning(spectrum: Spectrum, found: Extraction, rounding: float
             soft, stiff = np.linalg.eigvalsh(hessian / 2)
             count = float(np.trace(hessian / 2)) / float(k) ** 2
             moved = own * float(np.sqrt(count * k**2 / soft) + stiff / soft)
+            if record.optimum:
+                moved += 4 * domega * largest / float(shell.magnitude.max()) * float(np.sqrt(2 / soft))
         unit = velocity_unit(float(k), water, None)
         most = UNFLAGGED / tolerance(1.0) * unit * softness(found.method, float(score), hessian, unit)
         result.append(min(moved, most))
@@ -177,17 +183,16 @@ def _record(found: Extraction) -> Output:
     return {"velocities": found.velocities, "notes": [note.names for note in found.notes]}
 
 
-def _velocities_by_oracle(given: Input, first: Output, method: str = "nsp") -> Output:
-    """NSP by Newton's method with 40 digits from the velocity that the chain found, so that both are the same maximum;
-    LS by Cramer's rule, from nothing.
+def _velocities_by_oracle(given: Input, first: Output, method: str) -> Output:
+    """With 40 digits: maxima of N from the velocity that the chain found, so that both are the same maximum; else from
+    nothing (`oraclemethods`).
     """
     values, result = oracle_values(given), []
     for k, start in zip(given["wavenumbers"], np.asarray(first["velocities"]), strict=True):
-        if not np.isfinite(start).all() and method == "nsp":
+        if not np.isfinite(start).all() and METHODS[method].score:
             result.append([np.nan, np.nan])
             continue
-        shell = oracle_shell(given, values, k)[0]
-        result.append(oracle.newton(shell, start.tolist()) if method == "nsp" else oracle.least_squares(shell))
+        result.append(oraclemethods.velocity(method, oracle_shell(given, values, k)[0], start.tolist(), k, given))
     return {"velocities": result}
 
 
@@ -218,21 +223,20 @@ def _statistics(given: Input) -> Output:
     return {"bias": e.bias, "random": e.random, "mean": e.mean, "standard_error": e.standard_error, "count": e.count}
 
 
+def _stage(method: str) -> Stage:
+    """The velocities by a method."""
+    return Stage(
+        "eq:normSp" if METHODS[method].score else "eq:LS1",
+        both_routes(lambda s: _velocities(s, method)),
+        lambda given, first: _velocities_by_oracle(given, first, method),
+        lambda given, _: _velocities_conditioning(given, method),
+    )
+
+
 STAGES = {
     "score": Stage("eq:normSp", both_routes(_scores), _scores_by_oracle, _score_conditioning),
     "derivatives": Stage("eq:normSp", both_routes(_derivatives), _derivatives_by_oracle, _score_conditioning),
-    "nsp": Stage(
-        "eq:normSp",
-        both_routes(lambda s: _velocities(s, "nsp")),
-        _velocities_by_oracle,
-        lambda g, f: _velocities_conditioning(g, "nsp"),
-    ),
-    "ls": Stage(
-        "eq:LS1",
-        both_routes(lambda s: _velocities(s, "ls")),
-        lambda g, first: _velocities_by_oracle(g, first, "ls"),
-        lambda g, f: _velocities_conditioning(g, "ls"),
-    ),
+    **{name: _stage(name) for name in METHODS},
     "extract": Stage(
         "sec:NSP",
         {"chain": _extract},
