@@ -255,6 +255,8 @@ def _claim(identifier: str) -> Explanation | None:
         "label": claim.label,
         "tested": claim.test,
         "verdict": found.get("verdict"),
+        "parts": found.get("parts"),
+        "firm": {True: "yes", False: "no"}.get(found.get("robust")),
         "depends_on": found.get("depends_on"),
         "figure": found.get("figure"),
         "turns_under": turns,
