@@ -275,8 +275,7 @@ class MadeUp:
         return {"transform": shared, "shells": shared, "nsp": nsp, "ls": ls, "ls by Nelder-Mead": ls}
 
     def softness(self, c):
-        k = c.wavenumbers
-        return Sample(k, np.outer(1 + 0.01 * PATTERN, np.full(k.size, self.soft(c.spread))))
+        return np.outer(1 + 0.01 * PATTERN, np.full(c.wavenumbers.size, self.soft(c.spread)))
 
     def depths(self, c):
         places = WAVENUMBERS.size + 2

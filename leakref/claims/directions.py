@@ -28,7 +28,7 @@ import numpy as np
 from leakref._base import FloatArray
 from leakref.claims.configurations import CLEAR_OF_PEAK, DIRECTIONS, GAMMAS, ROTATIONS, SPREADS, WIDER, peaked, sea
 from leakref.claims.evidence import Evidence, Setting, peak_waves
-from leakref.claims.registry import claim
+from leakref.claims.registry import SMALLEST, claim
 from leakref.claims.samples import (
     ABOVE,
     AWAY,
@@ -386,7 +386,10 @@ def _(see: Evidence) -> Iterator[Reading]:
 def _(see: Evidence) -> Iterator[Reading]:
     """A maximum that is flat across the waves lets any false intensity move it that way."""
     for angle in (90.0, 60.0):
-        softness = {spread: see.softness(sea(angle, spread)) for spread in SPREADS}
+        softness = {
+            spread: Sample(one.wavenumbers, see.softness(one), f"spread {spread:g}").at(lambda k: k >= SMALLEST - 1e-9)
+            for spread, one in ((spread, sea(angle, spread)) for spread in SPREADS)
+        }
         yield from either(
             {"theta0": f"{angle:g}"},
             soft_across=below(softness[15.0], 1.0),

@@ -24,7 +24,6 @@ from leakref import fast, kept, leakage, leastsquares, nsp, runs, sources
 from leakref._base import FloatArray, LeakrefError
 from leakref.cases import Configuration
 from leakref.chain import analyse
-from leakref.claims.samples import Sample
 from leakref.dispersion import DEEP
 from leakref.ensemble import Ensemble
 from leakref.methods import METHODS
@@ -82,7 +81,7 @@ class Evidence:
         self.realizations, self.folder, self.executor = realizations, folder, executor
         self._kept: dict[tuple[object, ...], Ensemble] = {}
         self._seconds: dict[Configuration, dict[str, float]] = {}
-        self._softness: dict[Configuration, Sample] = {}
+        self._softness: dict[Configuration, FloatArray] = {}
         self._depths: dict[Configuration, list[Depths]] = {}
 
     def __call__(
@@ -107,18 +106,15 @@ class Evidence:
             self._seconds[configuration] = _timed(configuration)
         return self._seconds[configuration]
 
-    def softness(self, configuration: Configuration) -> Sample:
-        """The curvature of log N across the waves over that along them, under Hann, where N is largest; of the first
-        twelve realisations, by the literal chain.
+    def softness(self, configuration: Configuration) -> FloatArray:
+        """The curvature of log N across the waves over that along them, (R, n), under Hann, where N is largest; of the
+        first twelve realisations, by the literal chain.
         """
         if configuration not in self._softness:
             numbers = range(min(self.realizations, _SOFTNESS))
-            found = map(_softness, repeat(configuration), numbers, repeat(self.folder))
-            values = np.stack([one[..., 0, 0, :, 0] for one in found])
-            k = configuration.wavenumbers
-            self._softness[configuration] = Sample(k, values, f"spread {configuration.spread:g}").at(
-                lambda k: k >= 0.5 - 1e-9
-            )
+            given = (repeat(configuration), numbers, repeat(self.folder))
+            found = list(map(_softness, *given) if self.executor is None else self.executor.map(_softness, *given))
+            self._softness[configuration] = np.stack(found)[:, 0, 0, :, 0]
         return self._softness[configuration]
 
     def depths(self, configuration: Configuration) -> list[Depths]:
