@@ -256,7 +256,7 @@ def _claim(identifier: str) -> Explanation | None:
         "tested": claim.test,
         "verdict": found.get("verdict"),
         "parts": found.get("parts"),
-        "firm": {True: "yes", False: "no"}.get(found.get("robust")),
+        "firm": found and ("yes" if found["robust"] else "no"),
         "depends_on": found.get("depends_on"),
         "figure": found.get("figure"),
         "turns_under": turns,
