@@ -173,7 +173,7 @@ def deviation(sample: Sample) -> Sample:
 
 def random(e: Ensemble) -> Sample:
     """Its mean is the random part, the standard deviation of |c|."""
-    return deviation(bias(e))
+    return replace(deviation(bias(e)), sea=f"{bias(e).sea}, random part".removeprefix(", "))
 
 
 STATISTICS: dict[str, Callable[[Ensemble], Sample]] = {"bias": bias, "random part": random}
@@ -195,7 +195,7 @@ MEASURES: dict[str, Callable[[Ensemble], Sample]] = {"mean of |c| against U": ex
 
 
 def _upper(measure: Callable[[Ensemble], Sample]) -> Callable[[Ensemble], Sample]:
-    return lambda e: measure(e) + 2 * random(e)
+    return lambda e: replace(measure(e) + 2 * random(e), sea=measure(e).sea)
 
 
 LEVELS = {"mean": bias, "mean + 2 sd": _upper(bias)}
