@@ -257,6 +257,8 @@ def _claim(identifier: str) -> Explanation | None:
         "label": claim.label,
         "tested": claim.test,
         "verdict": found.get("verdict"),
+        "parts": found.get("parts"),
+        "firm": found and ("yes" if found["robust"] else "no"),
         "depends_on": found.get("depends_on"),
         "figure": found.get("figure"),
         "turns_under": turns,

@@ -19,10 +19,11 @@ from leakref.certify.subject.named import Named
 from leakref.certify.verdict import WRONG
 from leakref.claims import CLAIMS, decisionscommand, shifts
 from leakref.claims.registry import Claim
+from leakref.claims.samples import bias
 from leakref.claims.shifts import Shifts, moving, rejudged, study, velocities
 from leakref.claims.stored import stored_decision, stored_decisions, turned
 from leakref.claims.variants import CONFIGURATIONS, NONE, VARIANTS
-from leakref.claims.words import above, bias, every
+from leakref.claims.words import above, every
 from leakref.decisions import DECISIONS, PRACTICE, SLIPS
 from leakref.dispersion import DEEP, velocity_resolutions
 from leakref.ensemble import Ensemble

@@ -230,7 +230,10 @@ def as_read(claim):
         for name in names:
             margin, error = rng.standard_normal((2, 30)) * [[0.1], [0.03]]
             error = np.abs(error)
-            tallies[name] = Tally(np.linspace(0.4, 3.4, 30), margin, error, margin > 2 * error, margin < -2 * error)
+            against = np.where(margin < -2 * error, 0.0, 1.0)
+            sea = np.full(30, "direction 60, spread 15", dtype=object)
+            k = np.linspace(0.4, 3.4, 30)
+            tallies[name] = Tally(k, margin, error, margin > 2 * error, against, np.zeros(30, bool), sea)
         readings.append(Reading(choices, kept["holds"], kept["figure"], tallies))
     return Finding(CLAIMS[claim["id"]], tuple(readings))
 

@@ -7,7 +7,7 @@ the folder that `leakref reproduce` uses as well.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,12 +17,12 @@ from leakref import runs
 from leakref._output import console, dump, envelope, folder, progress_bar
 from leakref._tables import Table
 from leakref.claims.evidence import Evidence
-from leakref.claims.registry import DEPENDS, NOT_REPRODUCED, REPRODUCED, Finding, select
+from leakref.claims.registry import NOT_REPRODUCED, OPEN, REPRODUCED, Finding, select
 from leakref.claims.stored import write
 
 __all__ = ["evaluate", "run", "table"]
 
-_COLOURS = {REPRODUCED: "green", NOT_REPRODUCED: "red", DEPENDS: "yellow"}
+_COLOURS = {REPRODUCED: "green", NOT_REPRODUCED: "red", OPEN: "yellow"}
 
 
 def evaluate(
@@ -43,17 +43,29 @@ def evaluate(
 
 
 def run(
-    ids: Sequence[str], *, realizations: int, place: Path, workers: int, figures: bool, out: Path | None, json: bool
+    ids: Sequence[str],
+    *,
+    realizations: int,
+    place: Path,
+    workers: int,
+    figures: bool,
+    out: Path | None,
+    json: bool,
+    readings: bool = False,
 ) -> bool:
     """Evaluate, print, write; True: a claim that is not reproduced is a result, not a failure.
 
-    With `out` the findings are written there, a claim a line, as in `golden/claims.json`; with `figures` a picture of
-    each goes to `place`.
+    With `out`, a folder, the findings are written there as a page to be read, `claims.html`, and as JSON, a claim a
+    line, as in `golden/claims.json`; with `figures` a picture of every reading of each goes to `place`. `readings`
+    prints every reading of a claim, not the nearest alone.
     """
     findings = evaluate(ids, realizations=realizations, place=place, workers=workers)
     result = envelope("claims", True, realizations=realizations, claims=[finding.record() for finding in findings])
     if out is not None:
-        write(out, result, ("claims",))
+        from leakref.claims.page import write_page
+
+        write(folder(out) / "claims.json", result, ("claims",))
+        console().print(f"[dim]{write_page(findings, realizations, out)}[/dim]", soft_wrap=True)
     if figures:
         from leakref.claims.pictures import draw
 
@@ -63,8 +75,9 @@ def run(
         print(dump(result))
     else:
         Console().print(table(findings, realizations))
-        for finding in findings if len(findings) <= 3 else ():  # a few: all that is behind them
-            Console().print(_readings(finding))
+        for finding in findings if len(findings) <= 3 or readings else ():  # a few: what is behind them
+            for part in _behind(finding, readings):
+                Console().print(part)
     return True
 
 
@@ -84,37 +97,54 @@ def _short(figure: Any) -> str:
 def table(findings: Sequence[Finding], realizations: int) -> Table:
     """Verdict and figure of each claim.
 
-    A row a claim, with the figure of its first reading, which is the nearest to the words.
+    A row a claim, with the figure of its nearest reading.
     """
     result = Table(
         title=f"The paper's claims, {realizations} realisations",
         caption_justify="left",
-        caption="figure: shells where it is shown beyond two standard errors / shells, those against it, "
-        "mean "
-        "margin; of the first reading. `leakref claims ID` shows all readings",
+        caption="The verdict is that of the reading nearest to the words; firm: all others say the same, else on what "
+        "it turns. Figure: shells where it is shown beyond two standard errors / shells, those against it, mean "
+        "margin. `leakref claims ID` shows what is behind it",
     )
-    for name in ("id", "claim", "verdict", "readings", "figure"):
+    for name in ("id", "claim", "verdict", "firm", "figure"):
         result.add_column(name)
     for finding in findings:
-        holding = sum(reading.holds is True for reading in finding.readings)
-        said = f": {', '.join(finding.depends_on)}" if finding.verdict == DEPENDS else ""
+        parts = [f"{name}: [{_COLOURS[verdict]}]{verdict}[/]" for name, verdict in finding.parts.items()]
+        apart = parts if len(set(finding.parts.values())) > 1 else []
         result.add_row(
             finding.claim.id,
             finding.claim.words,
-            f"[{_COLOURS[finding.verdict]}]{finding.verdict}[/]{said}",
-            f"{holding}/{len(finding.readings)}",
-            _short(finding.readings[0].figure),
+            "\n".join([f"[{_COLOURS[finding.verdict]}]{finding.verdict}[/]", *apart]),
+            "yes" if finding.robust else f"no: {', '.join(finding.depends_on) or 'open'}",
+            _short(finding.nearest.figure),
         )
     return result
 
 
-def _readings(finding: Finding) -> Table:
-    """All readings of one claim, with their answers and figures."""
+_ANSWERS = {True: "[green]yes[/]", False: "[red]no[/]", None: "[yellow]open[/]"}
+
+
+def _behind(finding: Finding, every: bool) -> Iterator[Table | str]:
+    """The nearest reading of one claim, where it holds, and the others: each, or how many say what."""
     claim = finding.claim
-    result = Table(title=f"{claim.id} ({claim.label}): {finding.verdict}", caption=claim.test, caption_justify="left")
+    head = Table(title=f"{claim.id} ({claim.label}): {finding.verdict}", caption=claim.test, caption_justify="left")
     for name in ("reading", "holds", "figure"):
-        result.add_column(name)
-    for reading in finding.readings:
-        answer = {True: "[green]yes[/]", False: "[red]no[/]", None: "[yellow]open[/]"}[reading.holds]
-        result.add_row(reading.words, answer, _short(reading.figure))
-    return result
+        head.add_column(name)
+    for reading in finding.readings if every else finding.readings[:1]:
+        head.add_row(reading.words, _ANSWERS[reading.holds], _short(reading.figure))
+    yield head
+    if finding.where:
+        where = Table(title="Where, by k / k0", title_justify="left")
+        for name in ("part", "sea", "shown", "contradicted", "open"):
+            where.add_column(name)
+        for line in finding.where:
+            where.add_row(*(line.get(name, "") for name in ("part", "sea", "shown", "contradicted", "open")))
+        yield where
+    others = finding.readings[1:]
+    if others and not every:
+        counts = [
+            f"{sum(r.holds is answer for r in others)} {words}"
+            for answer, words in ((True, "hold"), (False, "do not"), (None, "open"))
+        ]
+        turns = f"; it turns on {', '.join(finding.depends_on)}" if finding.depends_on else ""
+        yield f"{len(others)} other readings: {', '.join(counts)}{turns}. --readings shows them."

@@ -1,6 +1,6 @@
 """U: a uniform current (case-U; sec:current). Waves at 90 deg; following, crossing and opposing currents.
 
-Eleven statements, U1 to U11. Errors are |c - U|, or the mean of |c| against U as the paper's figures show it: where the
+Twelve statements, U1 to U12. Errors are |c - U|, or the mean of |c| against U as the paper's figures show it: where the
 two could differ both are readings. Rotated seas are turned either way (D23) where that could matter.
 
 - U1, U2: the sign of the errors along the waves, and their size against still water.
@@ -10,11 +10,13 @@ two could differ both are readings. Rotated seas are turned either way (D23) whe
 - U7, U8: rotated by 30 degrees, untapered, biases are stronger, down to half of the current.
 - U9, U10: tapered, a rotation does not matter, and other angles are alike.
 - U11: with a current errors are mostly below resolution.
+- U12: near k = 0.5 a crossing current seems to turn towards the waves.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -23,7 +25,7 @@ from leakref._base import FloatArray
 from leakref.claims.configurations import CURRENTS, SPEEDS, current, turn
 from leakref.claims.evidence import Evidence
 from leakref.claims.registry import claim
-from leakref.claims.words import (
+from leakref.claims.samples import (
     ABOVE,
     ALL,
     BELOW,
@@ -32,26 +34,17 @@ from leakref.claims.words import (
     RESOLUTIONS,
     WINDOWS,
     Band,
-    Reading,
     Sample,
-    Tally,
-    above,
     across,
-    alike,
     along,
-    below,
     bias,
     direction,
-    either,
-    every,
+    in_resolutions,
     magnitude,
     missed,
-    most,
-    pooled,
-    significant,
     smaller,
-    within,
 )
+from leakref.claims.words import Reading, Tally, above, alike, below, either, every, most, pooled, significant, within
 from leakref.ensemble import Ensemble
 
 _FOLLOWING, _CROSSING, _OPPOSING = CURRENTS.values()
@@ -67,15 +60,15 @@ def _heading(e: Ensemble) -> float:
 def _vector(e: Ensemble) -> Sample:
     """Its mean is the size of the mean error, as a vector."""
     u, v = (of(e, _heading(e)) for of in (along, across))
-    u = Sample(u.k, u.values - e.configuration.speed)
+    u = replace(u, values=u.values - e.configuration.speed)
     size = np.maximum(np.hypot(u.mean, v.mean), 1e-300)
-    return Sample(u.k, (u.mean * u.values + v.mean * v.values) / size)
+    return replace(u, values=(u.mean * u.values + v.mean * v.values) / size)
 
 
 def _angles(e: Ensemble) -> Sample:
     """Its mean is that of the angle, of either sign, between c and U, degrees."""
-    u, v = (of(e, _heading(e)).values for of in (along, across))
-    return Sample(e.wavenumbers, np.degrees(np.abs(np.arctan2(v, u))))
+    u, v = (of(e, _heading(e)) for of in (along, across))
+    return replace(u, values=np.degrees(np.abs(np.arctan2(v.values, u.values))))
 
 
 def _mean_angle(e: Ensemble) -> Sample:
@@ -102,10 +95,11 @@ def _(see: Evidence) -> Iterator[Reading]:
         for one in turn(0.0):
             e = see(one, window)
             waves = along(e, 90)
-            off = Sample(waves.k, waves.values - one.current[1])
+            off = replace(waves, values=waves.values - one.current[1])
             vector += [below(off.at(ABOVE)), above(off.at(BELOW))]
             if one.current_direction in _ALIGNED:
-                with_waves = np.sign(one.current[1]) * Sample(e.wavenumbers, e.magnitudes - one.speed)
+                size_off = replace(bias(e), values=e.magnitudes - one.speed)
+                with_waves = np.sign(one.current[1]) * size_off
                 size += [below(with_waves.at(ABOVE)), above(with_waves.at(BELOW))]
         for words, tallies in (("mean of |c| against U", size), ("component along the waves", vector)):
             yield from either({"bias": words, "window": window}, bias=pooled(*tallies))
@@ -153,8 +147,9 @@ def _(see: Evidence) -> Iterator[Reading]:
     "U4",
     "with Hann, following and opposing: biases in size and direction are much reduced",
     "sec:current",
-    "Error of size (mean of |c - U|, or mean of |c| against U) below that untapered by a significant amount; error "
-    "of direction (of the mean vector, or the mean over DSVs) below that untapered. Not rotated.",
+    "Error of size (mean of |c - U|, or mean of |c| against U) below that untapered by a significant amount; error of "
+    "direction (of the mean vector, or the mean over DSVs) at k < 1, of which the text speaks, below that untapered. "
+    "Not rotated.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
     """The two directions along the waves are pooled; errors of direction are those of the mean vector, or of each
@@ -166,7 +161,7 @@ def _(see: Evidence) -> Iterator[Reading]:
             box, hann = (see(one, window) for window in WINDOWS)
             gain = size(box) - size(hann)
             sizes.append(above(gain, 0.1 * smaller(box)))
-            angles.append(above(angle(box) - angle(hann)))
+            angles.append(above((angle(box) - angle(hann)).at(BELOW)))
         yield from either({"error": measure, "direction of": words}, size=pooled(*sizes), direction=pooled(*angles))
 
 
@@ -174,27 +169,32 @@ def _(see: Evidence) -> Iterator[Reading]:
     "U5",
     "with Hann, crossing: the mean bias stays significant, about 10 % of the peak phase velocity, also near the peak",
     "sec:current",
-    "Mean error (as a vector, of |c - U|, or of |c| against U) significant, and within 10 % of 0.1 c0, or of its "
-    "order (10^-1/2 to 10^1/2 times it), over all shells and at |k - 1| <= 0.1. Not rotated, all speeds.",
+    "Mean error (of |c| against U, of |c - U|, or as a vector) significant, and of the order of 10 % (within a factor "
+    "of 2), or within 10 % of it, over all shells and at |k - 1| <= 0.1; 10 % of c0, as the text has it, or of the "
+    "current. Not rotated, all speeds. The figure has the largest error as a share of either.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
     """A mean is about a tenth if it is between two limits; at each shell the nearer one counts."""
-    for (measure, of), (words, low, high) in product(
-        {**MEASURES, "mean vector against U": _vector}.items(),
-        (("of the order of 10 %", 0.1 * 10**-0.5, 0.1 * 10**0.5), ("within 10 % of 10 %", 0.09, 0.11)),
-    ):
+    measures = {**MEASURES, "mean vector against U": _vector}
+    orders = (("of that order", 0.05, 0.2), ("within 10 %", 0.09, 0.11))
+    for whole, (measure, of), (words, low, high) in product(("c0", "the current"), measures.items(), orders):
         parts: dict[str, list[Tally]] = {"significant": [], "about": [], "about_near_peak": []}
+        largest = {}
         for speed in SPEEDS:
             e = see(current(speed, _CROSSING), "hann")
+            share = (1.0 if whole == "c0" else 1 / speed) * of(e)
+            largest[f"U={speed:g}"] = round(100 * float(np.nanmax(share.mean)), 2)
             parts["significant"].append(significant(of(e), smaller(e)))
             for name, band in (("about", ALL), ("about_near_peak", NEAR)):
-                parts[name].append(_between(of(e).at(band), low, high))
-        yield from either({"bias": measure, "about": words}, **{name: pooled(*t) for name, t in parts.items()})
+                parts[name].append(_between(share.at(band), low, high))
+        tallies = {name: pooled(*t) for name, t in parts.items()}
+        for reading in either({"10 % of": whole, "bias": measure, "about": words}, **tallies):
+            yield reading.figured(**{f"largest in percent of {whole}": largest})
 
 
 def _between(sample: Sample, low: float, high: float) -> Tally:
     """The mean is from `low` to `high`: at each shell the nearer of the two limits counts."""
-    off = magnitude(Sample(sample.k, sample.values - (low + high) / 2))
+    off = magnitude(replace(sample, values=sample.values - (low + high) / 2))
     return below(off, (high - low) / 2)
 
 
@@ -202,24 +202,31 @@ def _between(sample: Sample, low: float, high: float) -> Tally:
     "U6",
     "with Hann, crossing current: direction errors of 10 to 45 deg if the current is weak or k is near 0.5",
     "sec:current",
-    "Angle between U and the mean vector, or mean of the angles, from 10 to 45 deg: for the weakest current at "
-    "k < 1 (the text speaks of k below the peak), and for all at k = 0.45 to 0.55. Not rotated.",
+    "Angle between U and the mean vector, or mean of the angles: for the weakest current at k < 1 (the text speaks of "
+    "k below the peak), and for all at k = 0.45 to 0.55. That it is at least 10 deg, so that errors remain, and that "
+    "it is at most 45 deg are parts of their own. Not rotated.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
-    """The degrees themselves stand in the figure, since the paper names a range."""
+    """The degrees themselves stand in the figure, since the paper names a range. An error above 45 degrees is against
+    the range, not against there being an error.
+    """
     for words, of in _ANGLES.items():
         weak = of(see(current(SPEEDS[0], _CROSSING), "hann")).at(BELOW)
         low = [
             of(see(current(speed, _CROSSING), "hann")).at(lambda k: np.abs(k - 0.5) <= 0.05 + 1e-9) for speed in SPEEDS
         ]
         for reading in either(
-            {"direction of": words}, weak=_between(weak, 10, 45), near_half=pooled(*(_between(s, 10, 45) for s in low))
+            {"direction of": words},
+            weak_at_least_10=above(weak, 10),
+            near_half_at_least_10=pooled(*(above(s, 10) for s in low)),
+            weak_at_most_45=below(weak, 45),
+            near_half_at_most_45=pooled(*(below(s, 45) for s in low)),
         ):
             degrees = {
                 "weak, by k": weak.mean.round(1).tolist(),
                 "k = 0.5, by speed": [round(float(s.mean[0]), 1) for s in low],
             }
-            yield Reading(reading.choices, reading.holds, {**reading.figure, "degrees": degrees}, reading.tallies)
+            yield reading.figured(degrees=degrees)
 
 
 @claim(
@@ -227,7 +234,8 @@ def _(see: Evidence) -> Iterator[Reading]:
     "rotated by 30 deg, untapered: stronger biases, above all for a crossing current",
     "sec:current",
     "Error (mean of |c| against U, or of |c - U|) above that of the same sea not rotated, all currents; and the "
-    "rise, mean over shells, for a crossing current above those of the others. Rotated either way (D23).",
+    "rise, mean over shells in units of the smaller resolution, for a crossing current above those of the others. "
+    "Rotated either way (D23).",
 )
 def _(see: Evidence) -> Iterator[Reading]:
     """An aligned current may be turned either way with the same result, mirrored; a crossing one may not."""
@@ -237,8 +245,10 @@ def _(see: Evidence) -> Iterator[Reading]:
             - of(see(current(speed, way), "box"))
             for speed, way in product(SPEEDS, CURRENTS.values())
         }
+        e = see(current(0.0), "box")
+        pooled_rise = {key: in_resolutions(sample, e).over() for key, sample in rise.items()}
         most_of_all = [
-            above(rise[speed, _CROSSING].over() - rise[speed, way].over()) for speed, way in product(SPEEDS, _ALIGNED)
+            above(pooled_rise[speed, _CROSSING] - pooled_rise[speed, way]) for speed, way in product(SPEEDS, _ALIGNED)
         ]  # aligned: either sense is the mirror image
         yield from either(
             {"error": measure, "rotated (D23)": sense},
@@ -258,7 +268,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     """The lowest shell of each speed is a reading of its own: the words may mean that such velocities occur."""
     sizes = {
         "mean of |c|": bias,
-        "mean vector": lambda e: Sample(e.wavenumbers, _length(e)),
+        "mean vector": lambda e: replace(bias(e), values=_length(e)),
         "component along U": lambda e: along(e, _heading(e)),
     }
     for (words, of), (sense, angle) in product(sizes.items(), _SENSES.items()):
@@ -267,17 +277,8 @@ def _(see: Evidence) -> Iterator[Reading]:
         yield from either({"size": words, "rotated (D23)": sense}, below_half=pooled(*tallies))
         lowest = pooled(*(below(share.at(lambda k, s=share: k == k[np.argmin(s.mean)]), 0.5) for share in shares))
         for reading in every({"size": words, "rotated (D23)": sense, "holds at": "the lowest"}, below_half=lowest):
-            yield Reading(
-                reading.choices,
-                reading.holds,
-                {
-                    **reading.figure,
-                    "lowest_over_U": {
-                        f"U={speed:g}": round(float(s.mean.min()), 3) for speed, s in zip(SPEEDS, shares, strict=True)
-                    },
-                },
-                reading.tallies,
-            )
+            least = {f"U={speed:g}": round(float(s.mean.min()), 3) for speed, s in zip(SPEEDS, shares, strict=True)}
+            yield reading.figured(lowest_over_U=least)
 
 
 def _length(e: Ensemble) -> np.ndarray:
@@ -291,7 +292,7 @@ def _length(e: Ensemble) -> np.ndarray:
     "with Hann, rotated and unrotated results are virtually indistinguishable",
     "sec:current",
     "Rotated by 30 deg against the same sea not rotated, paired: mean of |c|, mean of |c - U|, or both components "
-    "of the mean vector turned back; not significantly different, or closer than the smaller resolution.",
+    "of the mean vector turned back, within 10 % of the smaller resolution.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
     """The mean vector is compared in the frame of the current, component by component."""
@@ -303,8 +304,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     }
     for measure, samples in differences.items():
         limit = smaller(pairs[0][0])
-        for words, test in (("not significantly different", alike), ("below the resolution", within)):
-            yield from either({"result": measure, "same": words}, same=pooled(*(test(d, limit) for d in samples)))
+        yield from either({"result": measure}, same=pooled(*(alike(d, limit) for d in samples)))
 
 
 @claim(
@@ -325,7 +325,7 @@ def _(see: Evidence) -> Iterator[Reading]:
         limit = smaller(see(current(0.0), window))
         for words, same in (
             ("within 10 %", [within(a - b, 0.1 * b.mean) for a, b in pairs]),
-            ("not significantly different", [alike(a - b, limit) for a, b in pairs]),
+            ("within 10 % of the smaller resolution", [alike(a - b, limit) for a, b in pairs]),
         ):
             yield from either({"result": measure, "same": words, "window": window}, similar=pooled(*same))
 
@@ -348,4 +348,29 @@ def _(see: Evidence) -> Iterator[Reading]:
             {"error": measure, "resolution": resolution, "window": window},
             sub_resolution=pooled(*(below(of(e), choose(*e.resolutions)) for e in ensembles)),
             turned=pooled(*(significant(across(e, 0).at(NEAR), smaller(e)[NEAR(e.wavenumbers)]) for e in crossing)),
+        )
+
+
+@claim(
+    "U12",
+    "with a crossing current DSVs near k = 0.5 turn towards the waves",
+    "sec:current",
+    "Untapered, of which the text speaks there, or Hann: the component of the mean vector along the waves above 10 % "
+    "of the smaller resolution, and its direction more than 10 degrees from the current towards them, at k = 0.45 to "
+    "0.55. Not rotated, all speeds.",
+)
+def _(see: Evidence) -> Iterator[Reading]:
+    """The current is towards 0 degrees, the waves towards 90."""
+
+    def half(k: FloatArray) -> FloatArray:
+        return np.abs(k - 0.5) <= 0.05 + 1e-9
+
+    for window in WINDOWS:
+        ensembles = [see(current(speed, _CROSSING), window) for speed in SPEEDS]
+        yield from either(
+            {"window": window},
+            towards_the_waves=pooled(
+                *(above(along(e, 90).at(half), 0.1 * smaller(e)[half(e.wavenumbers)]) for e in ensembles)
+            ),
+            turned_by_10_degrees=pooled(*(above(direction(e, 0).at(half), 10.0) for e in ensembles)),
         )

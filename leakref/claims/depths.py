@@ -7,13 +7,15 @@ One statement, B1, on seas of case-L-T over bottoms at k0 h = 0.7, 1, 1.5, 2, by
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from leakref._base import FloatArray
 from leakref.claims.evidence import Evidence
 from leakref.claims.registry import claim
-from leakref.claims.words import WINDOWS, Reading, Sample, Tally, every, most, pooled, significant
+from leakref.claims.samples import WINDOWS, Sample
+from leakref.claims.words import Reading, Tally, every, most, pooled, significant
 from leakref.paper.inferred import BAND, DEPTHS, WAVENUMBERS, Depths, domain
 
 _LOW = (WAVENUMBERS >= 0.5) & (WAVENUMBERS < 1)  # the paper shows nothing below 0.5
@@ -50,7 +52,7 @@ def _(see: Evidence) -> Iterator[Reading]:
         disturbed = pooled(*(significant(sample, resolution) for sample, resolution in each))
         for holds, counted in ((most, "most"), (every, "every")):
             (reading,) = holds({"source": words, "window": window, "holds at": counted}, disturbed=disturbed)
-            yield Reading(reading.choices, reading.holds, _figure(disturbed, each), reading.tallies)
+            yield replace(reading, figure=_figure(disturbed, each))
 
 
 def _figure(disturbed: Tally, each: list[tuple[Sample, FloatArray]]) -> dict[str, object]:

@@ -7,7 +7,7 @@ files of their own. What is made of the ensembles is in `words` and in the claim
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from concurrent.futures import Executor
 from dataclasses import asdict, dataclass, replace
 from functools import cache
@@ -40,6 +40,7 @@ __all__ = ["PLAIN", "RESAMPLED", "Evidence", "Setting", "kept_velocities", "peak
 
 RESAMPLED = 5
 """Realisations whose images are resampled: they go through the surface and its FFT, which takes half a minute each."""
+_SOFTNESS = 12
 _PEAK = 0.1  # "about" k = 1: within 10 %
 
 
@@ -79,7 +80,8 @@ class Evidence:
             raise LeakrefError("claims", f"{realizations} realisations", "ask for two or more: one has no spread")
         self.realizations, self.folder, self.executor = realizations, folder, executor
         self._kept: dict[tuple[object, ...], Ensemble] = {}
-        self._seconds: dict[Configuration, dict[str, FloatArray]] = {}
+        self._seconds: dict[Configuration, dict[str, float]] = {}
+        self._softness: dict[Configuration, FloatArray] = {}
         self._depths: dict[Configuration, list[Depths]] = {}
 
     def __call__(
@@ -95,14 +97,25 @@ class Evidence:
         """A window by name."""
         return named_window(name)
 
-    def seconds(self, configuration: Configuration) -> dict[str, FloatArray]:
-        """Seconds per shell (n,) of NSP and of LS on one spectrum of this machine, see `_timed`.
+    def seconds(self, configuration: Configuration) -> dict[str, float]:
+        """Seconds of NSP and of LS for one spectrum on this machine, see `_timed`.
 
         Measured once for each configuration, whatever the executor does meanwhile: they are of this process.
         """
         if configuration not in self._seconds:
             self._seconds[configuration] = _timed(configuration)
         return self._seconds[configuration]
+
+    def softness(self, configuration: Configuration) -> FloatArray:
+        """The curvature of log N across the waves over that along them, (R, n), under Hann, where N is largest; of the
+        first twelve realisations, by the literal chain.
+        """
+        if configuration not in self._softness:
+            numbers = range(min(self.realizations, _SOFTNESS))
+            given = (repeat(configuration), numbers, repeat(self.folder))
+            found = list(map(_softness, *given) if self.executor is None else self.executor.map(_softness, *given))
+            self._softness[configuration] = np.stack(found)[:, 0, 0, :, 0]
+        return self._softness[configuration]
 
     def depths(self, configuration: Configuration) -> list[Depths]:
         """The depths inferred in a configuration over a bottom, for each window and `paper.inferred.CURRENTS`.
@@ -215,44 +228,78 @@ def resampled(configuration: Configuration, realization: int) -> FloatArray:
     )
 
 
-def _timed(configuration: Configuration, repeats: int = 3) -> dict[str, FloatArray]:
-    """Seconds per shell, the best of `repeats`, (n,) each: the bins picked, and the current found by NSP, by LS in
-    closed form and by LS with Nelder-Mead, as the paper has it. Shells are picked once before the timings of the
-    extractions, which are on the same shells.
+def _softness(configuration: Configuration, realization: int, folder: Path | None) -> FloatArray:
+    """Of one realisation, (1, 1, n, 2) as velocities are, the second column unused; kept in the folder."""
+    about = {"configuration": asdict(configuration), "softness": "log N", "source": source_digest()}
+    shape = (1, 1, configuration.wavenumbers.size, 2)
+    path = folder and folder / f"claims-{kept.key(about)}" / f"{realization:05d}.npz"
+    return kept_velocities(path, {**about, "realization": realization}, shape, _curvatures, configuration, realization)
+
+
+def _curvatures(configuration: Configuration, realization: int) -> FloatArray:
+    """The Hessian of N at its maximum, in the axes across and along the waves: the ratio of the two curvatures."""
+    k, grid, water = configuration.wavenumbers, configuration.grid, configuration.water
+    waves = configuration.components(realization)
+    largest = float(k.max()) + 3 * grid.wavenumber_resolution
+    spectrum = leakage.spectrum(waves, grid, "hann", largest_wavenumber=largest)
+    angle = np.radians(configuration.direction + configuration.rotation)
+    along, across = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
+    found = np.full((1, 1, k.size, 2), np.nan)
+    width = nsp.WIDTH * grid.frequency_resolution
+    for n, k_n in enumerate(k):
+        shell = shell_at(spectrum, float(k_n), water=water)
+        best = nsp.optimum(shell, width, 1.0, search=False).velocity
+        _, _, hessian = nsp.score_derivatives(shell, best, width)
+        found[0, 0, n, 0] = (across @ hessian @ across) / (along @ hessian @ along)
+    return found
+
+
+def _timed(configuration: Configuration, repeats: int = 3) -> dict[str, float]:
+    """Seconds for one spectrum and all its shells, the best of `repeats`: taper and `transform`, the `shells` picked,
+    and the currents found in them by NSP and by LS, both by Nelder-Mead to MATLAB's tolerances as the paper has it, and
+    by LS in closed form. How long a transform takes does not depend on what is transformed.
     """
-    k, dk = configuration.wavenumbers, configuration.grid.wavenumber_resolution
-    spectrum = leakage.spectrum(
-        configuration.components(0), configuration.grid, "hann", largest_wavenumber=float(k.max()) + 3 * dk
-    )
-    a = nsp.WIDTH * configuration.grid.frequency_resolution
-    seconds: dict[str, FloatArray] = {}
+    k, dk, grid = configuration.wavenumbers, configuration.grid.wavenumber_resolution, configuration.grid
+    waves = configuration.components(0)
+    spectrum = leakage.spectrum(waves, grid, "hann", largest_wavenumber=float(k.max()) + 3 * dk)
+    surface = np.random.default_rng(0).standard_normal(grid.shape, dtype=np.float32).astype(np.float64)
+    width = nsp.WIDTH * grid.frequency_resolution
     with runs.one_thread():
         shells = [shell_at(spectrum, k_i, water=DEEP) for k_i in k]
-        for name, work in (
-            ("shell", lambda i: shell_at(spectrum, float(k[i]), water=DEEP)),
-            ("nsp", lambda i: nsp.optimum(shells[i], a, 1.0, search=False)),
-            ("ls", lambda i: leastsquares.optimum(shells[i])),
-            ("ls by Nelder-Mead", lambda i: _least_squares_by_simplex(shells[i])),
-        ):
-            seconds[name] = np.min([[_clocked(work, i) for i in range(k.size)] for _ in range(repeats)], axis=0)
-    return seconds
+        timed: dict[str, Callable[[], object]] = {
+            "transform": lambda: fourier(surface, grid, "hann"),
+            "shells": lambda: [shell_at(spectrum, k_i, water=DEEP) for k_i in k],
+            "nsp": lambda: [_nsp_by_simplex(shell, width) for shell in shells],
+            "ls by Nelder-Mead": lambda: [_least_squares_by_simplex(shell) for shell in shells],
+            "ls": lambda: [leastsquares.optimum(shell) for shell in shells],
+        }
+        return {name: min(_clocked(work) for _ in range(repeats)) for name, work in timed.items()}
 
 
-def _clocked(work: Callable[[int], object], i: int) -> float:
+def _clocked(work: Callable[[], object]) -> float:
     start = perf_counter()
-    work(i)
+    work()
     return perf_counter() - start
 
 
-def _least_squares_by_simplex(shell: Shell) -> Sequence[float]:
+_MATLAB = {"xatol": 1e-4, "fatol": 1e-4}
+"""Tolerances at which its fminsearch stops by default."""
+
+
+def _simplex(score: Callable[[FloatArray], float]) -> FloatArray:
+    simplex = np.array([[0.0, 0.0], [nsp.START, 0.0], [0.0, nsp.START]])
+    options = {"initial_simplex": simplex, **_MATLAB}
+    return np.asarray(minimize(score, simplex[0], method="Nelder-Mead", options=options).x)
+
+
+def _nsp_by_simplex(shell: Shell, width: float) -> FloatArray:
+    """eq:normSp maximised as the paper does it."""
+    return _simplex(lambda c: -nsp.normalized_scalar_product(shell, c, width))
+
+
+def _least_squares_by_simplex(shell: Shell) -> FloatArray:
     """eq:LS1 minimised as the paper does it."""
     power = (shell.magnitude / shell.magnitude.max()) ** 2
     column, m = np.nonzero(power >= leastsquares.THRESHOLD)
     kx, ky, shift = shell.kx[column], shell.ky[column], shell.omega[m] - shell.intrinsic[column]
-    simplex = np.array([[0.0, 0.0], [nsp.START, 0.0], [0.0, nsp.START]])
-    return minimize(
-        lambda c: np.sum((kx * c[0] + ky * c[1] - shift) ** 2),
-        simplex[0],
-        method="Nelder-Mead",
-        options={"initial_simplex": simplex, "xatol": 1e-8, "fatol": np.inf},
-    ).x
+    return _simplex(lambda c: float(np.sum((kx * c[0] + ky * c[1] - shift) ** 2)))

@@ -22,7 +22,7 @@ from leakref.figures import COLOURS, figure, save
 from leakref.methods import METHODS
 from leakref.window import window
 
-__all__ = ["decisions_figure", "draw", "picture"]
+__all__ = ["decisions_figure", "draw", "picture", "where_figure"]
 
 _MOST = 12  # panels
 _FAR_OFF = 20  # times the median margin
@@ -69,9 +69,56 @@ def picture(finding: Finding) -> Figure:
 
 
 def _title(finding: Finding) -> str:
-    """Id, statement and verdict, and on which choices it depends."""
-    said = f" {', '.join(finding.depends_on)}" if finding.depends_on else ""
+    """Id, statement and verdict, and on which choices it turns."""
+    said = f"; turns on {', '.join(finding.depends_on)}" if finding.depends_on else ""
     return f"{finding.claim.id}: {finding.claim.words} — {finding.verdict}{said}"
+
+
+def where_figure(finding: Finding) -> Figure:
+    """Where the nearest reading holds: a row for each part and sea, a mark at each wavenumber. What is pooled over
+    shells is shown as its margin with two standard errors; a claim without comparisons as the list of its readings.
+    """
+    parts = [
+        (name.replace("_", " "), sea, tally, tally.sea == sea)
+        for name, tally in finding.nearest.tallies.items()
+        for sea in dict.fromkeys(tally.sea)
+    ]
+    if not parts:
+        return _list(finding)
+    by_shell = any(np.ptp(tally.k[own]) > 0 for _, _, tally, own in parts)
+    names = [f"{part}: {sea}" if sea else part for part, sea, _, _ in parts]
+    with mpl.rc_context({"font.size": 8.6}):
+        drawing, axes = figure(1, 1, width=8.6, height=0.9 + 0.22 * len(parts))
+        ax = axes[0, 0]
+        for row, (_, _, tally, own) in enumerate(parts):
+            _where_row(ax, row, tally, own, by_shell)
+        ax.set_yticks(range(len(parts)), ["\n".join(textwrap.wrap(name, 70)) for name in names])
+        ax.set_ylim(len(parts) - 0.4, -0.6)
+        ax.grid(visible=False, axis="y")
+        if by_shell:
+            ax.set_xlabel("$k$ / $k_0$")
+        else:
+            ax.axvline(0, color="black", lw=0.8)
+            ax.set_xlabel("holds by, with two standard errors")
+        handles = [
+            Line2D([], [], ls="", color=colour, marker=marker, ms=1.6 * size, label=name)
+            for name, (colour, marker, size) in _LOOKS.items()
+        ]
+        drawing.legend(handles=handles, loc="outside upper right", ncols=3)
+    return drawing
+
+
+def _where_row(ax: Any, row: int, tally: Tally, own: Any, by_shell: bool) -> None:
+    """One sea: what is shown, open and contradicted at each of its shells; the last drawn is what speaks against."""
+    masks = {"shown": tally.shown, "open": ~(tally.shown | tally.contradicted), "contradicted": tally.contradicted}
+    for name, mask in masks.items():
+        colour, marker, size = _LOOKS[name]
+        here = own & mask
+        if by_shell:
+            ax.plot(tally.k[here], np.full(here.sum(), row), marker, ls="", ms=1.6 * size, color=colour)
+        else:
+            error = 2 * np.nan_to_num(tally.error[here])
+            ax.errorbar(tally.margin[here], np.full(here.sum(), row), xerr=error, fmt=marker, color=colour, lw=0.9)
 
 
 def _panel(ax: Any, tally: Tally) -> None:

@@ -1,7 +1,10 @@
 """The register of claims, and what came of them.
 
-A claim is a function that yields readings, registered with its words by `claim`. The verdict follows from the readings
-and from nothing else. Modules of claims register on import, in whatever order; `claims.CLAIMS` has them sorted.
+A claim is a function that yields readings, registered with its words by `claim`. **The verdict is that of the first
+reading, the one nearest to the words**, which is named before anything is looked at; the others say how robust it is,
+and on which choice it turns. The paper shows nothing below k = 0.5, so neither does the nearest reading; every claim is
+read a second time with all shells. Modules of claims register on import, in whatever order; `claims.CLAIMS` has them
+sorted.
 
 A claim in its module reads:
 
@@ -14,17 +17,39 @@ A claim in its module reads:
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from leakref._base import LeakrefError
-from leakref.claims.evidence import Evidence
-from leakref.claims.words import Reading
+from leakref.claims.evidence import PLAIN, Evidence, Setting
+from leakref.claims.words import Answer, Reading, Tally
+from leakref.ensemble import Ensemble
 
-__all__ = ["CLAIMS", "Claim", "Finding", "claim", "position", "select"]
+__all__ = ["CLAIMS", "SMALLEST", "Claim", "Finding", "claim", "position", "select"]
 
-REPRODUCED, NOT_REPRODUCED, DEPENDS = "reproduced", "not reproduced", "depends on"
-Predicate = Callable[[Evidence], Iterable[Reading]]
+REPRODUCED, NOT_REPRODUCED, OPEN = "reproduced", "not reproduced", "open"
+Predicate = Callable[[Any], Iterable[Reading]]
+SMALLEST = 0.5
+"""Smallest wavenumber that the paper's figures show, in k0."""
+_VERDICTS: dict[Answer, str] = {True: REPRODUCED, False: NOT_REPRODUCED, None: OPEN}
+
+
+class _Shown:
+    """The evidence as the paper's figures show it: nothing below the `smallest` wavenumber."""
+
+    def __init__(self, evidence: Evidence, smallest: float) -> None:
+        self._evidence, self._smallest, self.cut = evidence, smallest, False
+
+    def __call__(self, configuration: Any, window: str, method: str = "nsp", setting: Setting = PLAIN) -> Ensemble:
+        e = self._evidence(configuration, window, method, setting)
+        shown = e.wavenumbers >= self._smallest - 1e-9
+        self.cut |= not shown.all()
+        return replace(e, wavenumbers=e.wavenumbers[shown], velocities=e.velocities[:, shown], notes=e.notes[:, shown])
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._evidence, name)
 
 
 @dataclass(frozen=True)
@@ -33,6 +58,7 @@ class Claim:
 
     - `id`: a letter for the group and a number; `label`: the section, figure or abstract of the paper.
     - `test`: how it is tested, in words; `predicate`: takes the Evidence and yields the readings.
+    - `smallest`: the least wavenumber of the nearest reading, in k0.
     """
 
     id: str
@@ -40,32 +66,50 @@ class Claim:
     label: str
     test: str
     predicate: Predicate
+    smallest: float = SMALLEST
 
     def judge(self, evidence: Evidence) -> Finding:
         """Evaluate it, on the ensembles it asks for. Ensembles that are not there are computed now, which may take
-        long.
+        long. The readings with all shells follow those from k = 0.5 on.
         """
-        return Finding(self, tuple(self.predicate(evidence)))
+        see = _Shown(evidence, self.smallest)
+        found = list(self.predicate(see))
+        if see.cut:
+            whole = list(self.predicate(evidence))
+            named = ((f"from {self.smallest:g}", found), ("all", whole))
+            found = [replace(r, choices={**r.choices, "shells": words}) for words, some in named for r in some]
+        return Finding(self, tuple(found))
 
 
 @dataclass(frozen=True, eq=False)
 class Finding:
     """What came of a claim: its readings, the first of which is the nearest to the words.
 
-    `readings` come in the order in which the predicate yields them. The verdict is one of `reproduced`, `not
-    reproduced` and `depends on`.
+    `readings` come in the order in which the predicate yields them.
     """
 
     claim: Claim
     readings: tuple[Reading, ...]
 
     @property
+    def nearest(self) -> Reading:
+        """The reading nearest to the words."""
+        return self.readings[0]
+
+    @property
     def verdict(self) -> str:
-        """Reproduced if every reading holds, not reproduced if none does, else it depends. A reading that is open makes
-        it depend, on the sampling error.
-        """
-        answers = {reading.holds for reading in self.readings}
-        return REPRODUCED if answers == {True} else NOT_REPRODUCED if answers == {False} else DEPENDS
+        """What the nearest reading says: reproduced, not reproduced, or open, where the sampling error hides it."""
+        return _VERDICTS[self.nearest.holds]
+
+    @property
+    def parts(self) -> dict[str, str]:
+        """The verdict of each part, for a statement of several."""
+        return {name.replace("_", " "): _VERDICTS[answer] for name, answer in self.nearest.parts.items()}
+
+    @property
+    def robust(self) -> bool:
+        """Every reading says the same, and says something."""
+        return {reading.holds for reading in self.readings} in ({True}, {False})
 
     @property
     def depends_on(self) -> list[str]:
@@ -78,16 +122,24 @@ class Finding:
             for reading in self.readings:
                 rest = repr([item for item in reading.choices.items() if item[0] != name])
                 answers.setdefault(rest, set()).add(reading.holds)
-            if any(len(group) > 1 for group in answers.values()):
+            if any({True, False} <= group for group in answers.values()):
                 found.append(name)
         return found + ["the sampling error"] * any(reading.holds is None for reading in self.readings)
 
+    @property
+    def where(self) -> list[dict[str, str]]:
+        """At which wavenumbers, in which seas, each part of the nearest reading is shown, contradicted and open."""
+        return [line for part, tally in self.nearest.tallies.items() for line in _where(part.replace("_", " "), tally)]
+
     def record(self) -> dict[str, Any]:
-        """As in the JSON of `leakref claims`: the figure is that of the first reading; `holds` null is open."""
+        """As in the JSON of `leakref claims`: the figure is that of the nearest reading; `holds` null is open."""
         return {
             "id": self.claim.id,
             "verdict": self.verdict,
-            "figure": self.readings[0].figure,
+            "robust": self.robust,
+            "parts": self.parts,
+            "figure": self.nearest.figure,
+            "where": self.where,
             "depends_on": self.depends_on,
             "words": self.claim.words,
             "label": self.claim.label,
@@ -96,19 +148,45 @@ class Finding:
         }
 
 
+def _where(part: str, tally: Tally) -> list[dict[str, str]]:
+    """A line for each sea: the wavenumbers as ranges of neighbours, in k0. Pooled values (k = 0) have none."""
+    states = {"shown": tally.shown, "contradicted": tally.contradicted, "open": ~tally.shown & ~tally.contradicted}
+    lines = []
+    for sea in dict.fromkeys(tally.sea):
+        own = tally.sea == sea
+        here = sorted(set(np.round(tally.k[own], 3)))
+        spans = {name: _ranges(here, set(np.round(tally.k[own & mask], 3))) for name, mask in states.items()}
+        lines.append({"part": part, "sea": sea, **{name: words for name, words in spans.items() if words}})
+    return lines
+
+
+def _ranges(all_of_them: Sequence[float], chosen: set[float]) -> str:
+    """Those chosen, neighbours in the list as a range: 0.5 to 0.9, 1.2."""
+    if not any(chosen):
+        return "all shells together" if chosen else ""
+    runs: list[list[float]] = []
+    follows = False
+    for k in all_of_them:
+        if k in chosen:
+            runs = [*runs[:-1], [*runs[-1], k]] if follows else [*runs, [k]]
+        follows = k in chosen
+    return ", ".join(f"{run[0]:g}" if len(run) == 1 else f"{run[0]:g} to {run[-1]:g}" for run in runs)
+
+
 CLAIMS: dict[str, Claim] = {}
 """Every claim by its id, as their modules are imported."""
 
 
-def claim(id: str, words: str, label: str, test: str) -> Callable[[Predicate], Predicate]:
+def claim(id: str, words: str, label: str, test: str, smallest: float = SMALLEST) -> Callable[[Predicate], Predicate]:
     """Register the function below as the predicate of a claim.
 
-    `words` are the statement in short, `label` where it stands. Two claims of one id are a fault of ours, an assertion.
+    `words` are the statement in short, `label` where it stands; `smallest` is the least wavenumber of the nearest
+    reading. Two claims of one id are a fault of ours, an assertion.
     """
 
     def register(predicate: Predicate) -> Predicate:
         assert id not in CLAIMS, id
-        CLAIMS[id] = Claim(id, words, label, test, predicate)
+        CLAIMS[id] = Claim(id, words, label, test, predicate, smallest)
         return predicate
 
     return register
@@ -116,7 +194,7 @@ def claim(id: str, words: str, label: str, test: str) -> Callable[[Predicate], P
 
 def position(id: str) -> tuple[int, int]:
     """Where a claim stands in the paper's list: its group, its number."""
-    return "WNAPRUGB".index(id[0]), int(id[1:])
+    return "WNAPRUGMB".index(id[0]), int(id[1:])
 
 
 def select(ids: Sequence[str]) -> list[Claim]:

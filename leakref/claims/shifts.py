@@ -22,8 +22,8 @@ from leakref._base import FloatArray
 from leakref.cases import Configuration, configurations
 from leakref.claims.evidence import PLAIN, Evidence, Setting, kept_velocities, peak_waves, resampled
 from leakref.claims.registry import Claim
+from leakref.claims.samples import Sample, smaller
 from leakref.claims.variants import CONFIGURATIONS, VARIANTS, Variant
-from leakref.claims.words import Sample, smaller
 from leakref.ensemble import Ensemble
 from leakref.fast import spectra
 from leakref.methods import DEFAULT
@@ -297,14 +297,8 @@ class _Velocities:
         if (configuration, setting) not in self._found:
             acting = [v for v in self.variants if v.acts_on(configuration)]
             windows = [v.acts_on(configuration) for v in acting]
-            given = (
-                repeat(acting),
-                repeat(windows),
-                repeat(configuration),
-                range(self.realizations),
-                repeat(setting),
-                repeat(self.folder),
-            )
+            fixed = [repeat(one) for one in (acting, windows, configuration)]
+            given = (*fixed, range(self.realizations), repeat(setting), repeat(self.folder))
             results = list(map(_kept, *given) if self.executor is None else self.executor.map(_kept, *given))
             self._found[configuration, setting] = {
                 v.id: np.array([one[n] for one in results]) for n, v in enumerate(acting)
@@ -344,8 +338,12 @@ class Altered(Evidence):
         ]
         return Ensemble(configuration, window, method, before.wavenumbers, values, before.notes)
 
-    def seconds(self, configuration: Configuration) -> dict[str, FloatArray]:
+    def seconds(self, configuration: Configuration) -> dict[str, float]:
         """Timings are of a machine, not of a decision."""
+        raise NotCovered(configuration.id)
+
+    def softness(self, configuration: Configuration) -> Any:
+        """Curvatures are those of the reference's score."""
         raise NotCovered(configuration.id)
 
     def depths(self, configuration: Configuration) -> Any:

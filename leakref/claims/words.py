@@ -1,259 +1,92 @@
-"""The vocabulary of the claims: samples, bands of k, comparisons with their sampling error, readings.
+"""The vocabulary of the claims: comparisons with their sampling error, and readings of a statement.
 
-Rules, fixed before anything was looked at. A comparison is of means over realisations, and always of realisation
-i with realisation i: seas on one lattice share their phases, and where they do not the pairing does no harm. At a
-shell it is *shown* if it holds by more than two standard errors, *contradicted* if it fails by as much, else open.
-*Most* is over half of the shells; *negligible*, below the smaller resolution; *significant*, over two standard
-errors and over 10 % of the smaller resolution; *about*, within 10 %. Where the words leave open whether all shells
-are meant (no "all", no "most"), both are readings: every shell, most shells.
+Rules, fixed before anything was looked at. At a shell a comparison is *shown* if it holds by more than two standard
+errors, *contradicted* if it fails by as much, else open; with few realisations, or where half of them have no number,
+two become more, or no error is known and nothing is told. *Most* is over half of the shells. *Negligible* is below the
+smaller resolution; *significant*, over two standard errors and over 10 % of the smaller resolution; *alike* the
+reverse of it, shown only where the whole interval lies within these 10 %, so that few realisations leave it open;
+*about*, within 10 %. Where the words leave open whether all shells are meant, the nearest reading is every shell.
+
+*At every shell* has a level for the family: one shell of fifty is beyond two standard errors by chance, and does not
+contradict. What contradicts it does so with a chance of 5 % or less that all of them agree.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
+from scipy import stats
 
-from leakref._base import FloatArray, mean_of_known
-from leakref.ensemble import Ensemble
+from leakref._base import FloatArray
+from leakref.claims.samples import Sample, magnitude
 
 __all__ = [
-    "ABOVE",
-    "ALL",
-    "AWAY",
-    "BELOW",
-    "LEVELS",
-    "MEASURES",
-    "NEAR",
-    "RESOLUTIONS",
-    "STATISTICS",
-    "WINDOWS",
     "Answer",
-    "Band",
+    "Mask",
     "Reading",
-    "Sample",
     "Tally",
     "above",
-    "across",
     "alike",
-    "along",
     "below",
-    "bias",
     "both",
-    "deviation",
-    "direction",
     "either",
     "every",
-    "excess",
-    "magnitude",
-    "missed",
     "most",
     "pooled",
     "positive",
-    "random",
-    "ratio",
     "significant",
-    "smaller",
     "within",
 ]
 
-WINDOWS = ("box", "hann")
-"""Untapered and tapered, as most statements compare them."""
 Answer = bool | None
 """Holds, does not hold, or None: the sampling error does not tell."""
-Band = Callable[[FloatArray], Any]
-"""Takes wavenumbers (n,) in `k0` and says of each whether it is inside."""
 Mask = Any
-_ROUNDING = 1e-9
-
-
-def BELOW(k: FloatArray) -> Mask:
-    """k < 1. True or False for each wavenumber, in `k0`, as of all bands; the peak itself belongs to neither side."""
-    return k < 1 - _ROUNDING
-
-
-def ABOVE(k: FloatArray) -> Mask:
-    """k > 1."""
-    return k > 1 + _ROUNDING
-
-
-def NEAR(k: FloatArray) -> Mask:
-    """k about 1: within 10 %."""
-    return np.abs(k - 1) <= 0.1 + _ROUNDING
-
-
-def AWAY(k: FloatArray) -> Mask:
-    """All but k about 1."""
-    return ~NEAR(k)
-
-
-def ALL(k: FloatArray) -> Mask:
-    """Every k."""
-    return np.isfinite(k)
-
-
-@dataclass(frozen=True, eq=False)
-class Sample:
-    """Values (R, n) at wavenumbers `k` (n,), whose means over the R realisations are in question.
-
-    A statistic that is no mean is written as one, by the influence of each realisation (`deviation`, `direction`,
-    `ratio`), so that every comparison has a standard error, and a paired one where the seas share phases.
-    """
-
-    k: FloatArray
-    values: FloatArray
-    __array_ufunc__ = None  # an array times a sample is a sample
-
-    @property
-    def mean(self) -> FloatArray:
-        """(n,); NaN where no realisation has a number."""
-        return mean_of_known(self.values)
-
-    @property
-    def error(self) -> FloatArray:
-        """Standard error of the mean, (n,); NaN with fewer than two realisations."""
-        count = np.isfinite(self.values).sum(axis=0)
-        square = np.nansum((self.values - self.mean) ** 2, axis=0)
-        return np.where(count < 2, np.nan, np.sqrt(square / np.maximum(count - 1, 1) / np.maximum(count, 1)))
-
-    def __add__(self, other: Sample) -> Sample:
-        """At the wavenumbers and in the realisations that both have. Where one of the two has no number, the sum has
-        none.
-        """
-        mine, theirs = np.nonzero(np.abs(self.k[:, None] - other.k) < 1e-6)
-        rows = min(len(self.values), len(other.values))
-        return Sample(self.k[mine], self.values[:rows, mine] + other.values[:rows, theirs])
-
-    def __sub__(self, other: Sample) -> Sample:
-        return self + -1.0 * other
-
-    def __rmul__(self, factor: float | FloatArray) -> Sample:
-        return Sample(self.k, factor * self.values)
-
-    def at(self, band: Band) -> Sample:
-        """Only the wavenumbers of a band."""
-        inside = band(self.k)
-        return Sample(self.k[inside], self.values[:, inside])
-
-    def over(self, band: Band = ALL) -> Sample:
-        """The mean over the shells of a band: one value a realisation, (R, 1). NaN where one of the shells has no
-        number.
-        """
-        chosen = self.at(band)
-        return Sample(np.zeros(1), chosen.values.mean(axis=1, keepdims=True))
-
-
-def bias(e: Ensemble) -> Sample:
-    """Its mean is the mean of |c|."""
-    return Sample(e.wavenumbers, e.magnitudes)
-
-
-def deviation(sample: Sample) -> Sample:
-    """Its mean is the standard deviation s of `sample` (n - 1): s + ((x - mean)^2 n / (n - 1) - s^2) / 2 s, by which
-    the error of s, and of differences between paired ones, is that of a mean. Values are the influence of each
-    realisation on s.
-    """
-    count = np.isfinite(sample.values).sum(axis=0)
-    s = sample.error * np.sqrt(count)
-    square = (sample.values - sample.mean) ** 2 * count / np.maximum(count - 1, 1)
-    return Sample(sample.k, s + np.where(s > 0, (square - s**2) / (2 * np.where(s > 0, s, 1)), 0))
-
-
-def random(e: Ensemble) -> Sample:
-    """Its mean is the random part, the standard deviation of |c|."""
-    return deviation(bias(e))
-
-
-STATISTICS: dict[str, Callable[[Ensemble], Sample]] = {"bias": bias, "random part": random}
-"""The two parts of an error that the paper shows, as samples whose means they are."""
-
-
-def missed(e: Ensemble) -> Sample:
-    """Its mean is that of |c - U|. In `c0`; in still water it is `bias`."""
-    return Sample(e.wavenumbers, np.hypot(*np.moveaxis(e.velocities - e.configuration.current, -1, 0)))
-
-
-def excess(e: Ensemble) -> Sample:
-    """Its mean is how far the mean of |c| is from U, as the paper's figures show it."""
-    return magnitude(Sample(e.wavenumbers, e.magnitudes - np.hypot(*e.configuration.current)))
-
-
-MEASURES: dict[str, Callable[[Ensemble], Sample]] = {"mean of |c| against U": excess, "mean of |c - U|": missed}
-"""The error with a current; without one the two are the same. The first is what the figures show."""
-
-
-def _upper(measure: Callable[[Ensemble], Sample]) -> Callable[[Ensemble], Sample]:
-    return lambda e: measure(e) + 2 * random(e)
-
-
-LEVELS = {"mean": bias, "mean + 2 sd": _upper(bias)}
-"""Readings of how large a spurious velocity is."""
-RESOLUTIONS: dict[str, Callable[..., FloatArray]] = {"smaller": np.minimum, "larger": np.maximum}
-"""Readings of below the resolution(s): of both, or of one."""
-
-
-def smaller(e: Ensemble) -> FloatArray:
-    """The smaller of the two velocity resolutions, (n,)."""
-    return np.minimum(*e.resolutions)
-
-
-def along(e: Ensemble, angle: float) -> Sample:
-    """Component along `angle` (degrees). In `c0`, positive that way."""
-    return Sample(e.wavenumbers, e.velocities @ [np.cos(np.radians(angle)), np.sin(np.radians(angle))])
-
-
-def across(e: Ensemble, angle: float) -> Sample:
-    """Component a quarter turn on from `angle` (degrees)."""
-    return along(e, angle + 90)
-
-
-def direction(e: Ensemble, angle: float) -> Sample:
-    """Its mean is the direction of the mean vector, degrees from `angle` in -180 ... 180; linear in what deviates. The
-    values are the tangent at the means, so that their standard error is that of the angle to first order.
-    """
-    u, v = along(e, angle), across(e, angle)
-    x, y = u.mean, v.mean
-    length = np.maximum(x**2 + y**2, 1e-300)
-    return Sample(u.k, np.degrees(np.arctan2(y, x) + (x * (v.values - y) - y * (u.values - x)) / length))
-
-
-def magnitude(sample: Sample) -> Sample:
-    """Its mean is the size of the mean of `sample`."""
-    return np.where(sample.mean < 0, -1.0, 1.0) * sample
-
-
-def ratio(part: Sample, whole: Sample) -> Sample:
-    """Its mean is that of `part` over that of `whole`; linear in what deviates from the means."""
-    p, w = part.mean, whole.mean
-    safe = np.where(w == 0, np.nan, w)
-    return Sample(part.k, p / safe + (part.values - p) / safe - p * (whole.values - w) / safe**2)
+_LEVEL = float(stats.norm.sf(2))
+"""One-sided, of a shell by itself: two standard errors of a normal variable."""
+_FEWEST = 5
+"""With fewer realisations the width of an interval is a guess, and nothing is called alike."""
+_FAMILY = 0.05
+"""The chance, at most, that a statement which holds at every shell is contradicted."""
 
 
 @dataclass(frozen=True, eq=False)
 class Tally:
-    """A comparison at each shell: it holds by `margin` (n,), known to one standard `error` (n,).
+    """A comparison at each shell: it holds by `margin` (n,), known to one standard `error` (n,), NaN where it is not.
 
-    `margin` is in the unit of what is compared, positive where it holds. What is neither `shown` nor `contradicted` is
-    open. Shells without a number are left out.
+    `margin` is in the unit of what is compared, positive where it holds. `shown` says where it holds for sure,
+    `against` is the chance (n,) of so much against it if it held. What is neither shown nor contradicted is open: also
+    a shell without a number. `lacking` are the shells where some realisation has none. `sea` names the sea of each.
     """
 
     k: FloatArray
     margin: FloatArray
     error: FloatArray
     shown: Mask
-    contradicted: Mask
+    against: FloatArray
+    lacking: Mask
+    sea: Any
+
+    @property
+    def contradicted(self) -> Mask:
+        """Where it fails for sure, (n,): each shell by itself."""
+        return ~self.shown & (self.against <= _LEVEL)
 
     @property
     def size(self) -> int:
         """How many shells."""
         return self.margin.size
 
+    def _refuted(self) -> bool:
+        """At one shell or more, at the level of the family of all of them and of both sides of each."""
+        return bool((self.against[~self.shown] <= min(_LEVEL, _FAMILY / (2 * max(self.size, 1)))).any())
+
     @property
     def every(self) -> Answer:
         """At every shell: None if it is contradicted at none but not shown at all."""
-        return False if self.contradicted.any() or not self.size else True if self.shown.all() else None
+        return False if not self.size or self._refuted() else True if self.shown.all() else None
 
     @property
     def most(self) -> Answer:
@@ -263,31 +96,63 @@ class Tally:
         return False if 2 * (self.size - self.contradicted.sum()) <= self.size else None
 
     @property
+    def some(self) -> Answer:
+        """At one shell at least: None if none shows it and not all contradict it."""
+        return True if self.shown.any() else False if self.contradicted.all() else None
+
+    @property
     def figure(self) -> dict[str, Any]:
         """In JSON: counts of shells, and the mean margin."""
-        mean = float(f"{np.mean(self.margin):.3g}") if self.size else None
-        return {
+        known = self.margin[np.isfinite(self.margin)]
+        found = {
             "shown": int(self.shown.sum()),
             "contradicted": int(self.contradicted.sum()),
             "of": self.size,
-            "mean_margin": mean,
+            "mean_margin": float(f"{known.mean():.3g}") if known.size else None,
         }
+        return found | ({"lacking_numbers": int(self.lacking.sum())} if self.lacking.any() else {})
 
 
-def _tally(k: FloatArray, margin: FloatArray, error: FloatArray, shown: Mask, contradicted: Mask) -> Tally:
-    known = np.isfinite(margin)
-    return Tally(k[known], margin[known], error[known], shown[known], contradicted[known])
+def _tally(sample: Sample, margin: FloatArray, shown: Mask, against: FloatArray) -> Tally:
+    unknown = np.isnan(margin) | np.isnan(sample.error)  # nothing is told there, for or against
+    return Tally(
+        sample.k,
+        margin,
+        sample.error,
+        shown & ~unknown,
+        np.where(unknown, 1.0, against),
+        sample.lacking,
+        np.full(sample.k.size, sample.sea, dtype=object),
+    )
+
+
+def _chance(margin: FloatArray, sample: Sample) -> FloatArray:
+    """Of a mean that is larger by `margin` or more if the true one is not, by Student's t; where there is no scatter, 0
+    or 1.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        t = np.where(sample.error > 0, margin / sample.error, np.where(margin > 0, np.inf, -np.inf))
+    return stats.t.sf(t, np.maximum(sample.count - 1, 1))
+
+
+def _reach(sample: Sample) -> FloatArray:
+    """Two standard errors, or what they become with few realisations."""
+    return stats.t.isf(_LEVEL, np.maximum(sample.count - 1, 1)) * sample.error
 
 
 def positive(k: FloatArray, margin: FloatArray, error: FloatArray) -> Tally:
-    """The margin is positive; one that is exactly zero, and surely so, is not."""
-    shown = margin > 2 * error
-    return _tally(k, margin, error, shown, ~shown & (margin <= -2 * error))
+    """The margin is positive, with an error that was found otherwise; one that is zero, and surely so, is not."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        t = np.where(error > 0, margin / error, np.where(margin > 0, np.inf, -np.inf))
+    no = np.zeros(margin.size, dtype=bool)
+    return Tally(k, margin, error, t > 2, stats.norm.cdf(t), no, np.full(k.size, "", dtype=object))
 
 
 def above(sample: Sample, limit: float | FloatArray = 0.0) -> Tally:
-    """The mean is above the limit."""
-    return positive(sample.k, sample.mean - limit, np.nan_to_num(sample.error))
+    """The mean is above the limit; one that is on it, and surely so, is not."""
+    margin = sample.mean - limit
+    exactly = (margin == 0) & (sample.error == 0)
+    return _tally(sample, margin, _chance(margin, sample) < _LEVEL, np.where(exactly, 0.0, _chance(-margin, sample)))
 
 
 def below(sample: Sample, limit: float | FloatArray = 0.0) -> Tally:
@@ -296,18 +161,23 @@ def below(sample: Sample, limit: float | FloatArray = 0.0) -> Tally:
 
 
 def significant(difference: Sample, resolution: FloatArray) -> Tally:
-    """The mean difference, of either sign, is over two standard errors and over 10 % of `resolution`. Both are tested:
-    what is not significant is contradicted, there is nothing open.
+    """The mean difference, of either sign, is over two standard errors and over 10 % of `resolution`. It is
+    contradicted where it surely lies within these 10 %, as in `alike`.
     """
-    size, error = np.abs(difference.mean), np.nan_to_num(difference.error)
-    limit = np.maximum(2 * error, 0.1 * resolution)
-    return _tally(difference.k, size - limit, error, size > limit, size <= limit)
+    size, limit = np.abs(difference.mean), 0.1 * resolution
+    reach = _reach(difference)
+    shown = (size > reach) & (size > limit)
+    return _tally(difference, size - np.maximum(limit, reach), shown, _chance(limit - size, difference))
 
 
 def alike(difference: Sample, resolution: FloatArray) -> Tally:
-    """The mean difference is not significant."""
-    other = significant(difference, resolution)
-    return Tally(other.k, -other.margin, other.error, other.contradicted, other.shown)
+    """The mean difference lies within 10 % of `resolution`, and so does the interval of two standard errors about it,
+    of five realisations or more. It is contradicted where it is `significant`.
+    """
+    size, limit = np.abs(difference.mean), 0.1 * resolution
+    against = np.where(size > limit, _chance(size, difference), 1.0)
+    shown = (size + _reach(difference) < limit) & (difference.count >= _FEWEST)
+    return _tally(difference, limit - size, shown, against)
 
 
 def within(difference: Sample, limit: float | FloatArray) -> Tally:
@@ -328,17 +198,23 @@ class Reading:
     - `choices`: by name what was chosen where the words leave it open, for instance `window: hann`.
     - `figure`: plain values for the JSON, counts of shells as `Tally.figure` has them.
     - `tallies`: the comparisons by name, for the picture.
+    - `parts`: of a statement of several parts, what became of each.
     """
 
     choices: Mapping[str, str]
     holds: Answer
     figure: Any
     tallies: Mapping[str, Tally] = field(default_factory=dict)
+    parts: Mapping[str, Answer] = field(default_factory=dict)
 
     @property
     def words(self) -> str:
         """The choices in a line."""
         return ", ".join(f"{name}: {chosen}" for name, chosen in self.choices.items()) or "as it stands"
+
+    def figured(self, **more: Any) -> Reading:
+        """With more in its figure."""
+        return replace(self, figure={**self.figure, **more})
 
 
 def both(*answers: Answer) -> Answer:
@@ -346,24 +222,27 @@ def both(*answers: Answer) -> Answer:
     return False if False in answers else None if None in answers else True
 
 
-def _reading(choices: Mapping[str, str], holds: Answer, parts: Mapping[str, Tally]) -> Reading:
+def _reading(choices: Mapping[str, str], parts: Mapping[str, Tally], answer: Callable[[Tally], Answer]) -> Reading:
     figures = {name: part.figure for name, part in parts.items()}
-    return Reading(choices, holds, figures if len(parts) > 1 else next(iter(figures.values())), parts)
+    answers = {name: answer(part) for name, part in parts.items()}
+    several = len(parts) > 1
+    figure = figures if several else next(iter(figures.values()))
+    return Reading(choices, both(*answers.values()), figure, parts, answers if several else {})
 
 
 def every(choices: Mapping[str, str], **parts: Tally) -> Iterator[Reading]:
     """For a statement that says all: every part at every shell."""
-    yield _reading(choices, both(*(part.every for part in parts.values())), parts)
+    yield _reading(choices, parts, lambda part: part.every)
 
 
 def most(choices: Mapping[str, str], **parts: Tally) -> Iterator[Reading]:
     """For a statement that says most: every part at over half of the shells."""
-    yield _reading(choices, both(*(part.most for part in parts.values())), parts)
+    yield _reading(choices, parts, lambda part: part.most)
 
 
 def either(choices: Mapping[str, str], **parts: Tally) -> Iterator[Reading]:
-    """For a statement that does not say: a reading for each. So the verdict depends on that choice if the answers
-    differ.
+    """For a statement that does not say: a reading for each, every shell first. So the verdict turns on that choice if
+    the answers differ.
     """
     yield from every({**choices, "holds at": "every shell"}, **parts)
     yield from most({**choices, "holds at": "most shells"}, **parts)

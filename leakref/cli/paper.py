@@ -118,11 +118,17 @@ def claims(
         "leakref-results"
     ),
     figures: Annotated[bool, typer.Option("--figures", help="A picture of each claim, in the folder.")] = False,
-    out: Annotated[Path | None, typer.Option(help="File for the JSON.")] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(help="Folder for the page and its JSON; with --decisions the file for the JSON."),
+    ] = None,
+    readings: Annotated[
+        bool, typer.Option("--readings", help="Every reading of the claims, not the nearest alone.")
+    ] = False,
     workers: Annotated[int, typer.Option(min=0, help="Processes; 0: one for each core.")] = 0,
     json: Json = False,
 ) -> bool:
-    """The paper's statements: which are reproduced, which are not, which depend on how they are read."""
+    """The paper's statements: which are reproduced, which are not, how firmly, and where."""
     from leakref import LeakrefError
 
     if full and not decisions:
@@ -151,4 +157,5 @@ def claims(
         out=out,
         workers=workers or os.cpu_count() or 1,
         json=json,
+        readings=readings,
     )
