@@ -204,7 +204,8 @@ def _turned(result: dict[str, Any]) -> Table:
         f"{result['judged_realizations']} realisations each)",
         caption_justify="left",
         caption="How many readings turn, of all: held and do not, or the reverse; bold: the verdict is "
-        "another then. Judged are the variants that move some velocity by more than 10 % of the "
+        "another then (what golden/ keeps was judged before verdicts went by the nearest reading). "
+        "Judged are the variants that move some velocity by more than 10 % of the "
         "smaller resolution, and "
         + (
             "all claims about velocities"
