@@ -19,8 +19,9 @@ from leakref.certify.runner import run_check, select
 from leakref.certify.strength.faults import FAULTS
 from leakref.certify.subject.inprocess import InProcess
 from leakref.certify.verdict import Unanswered, Verdict
-from leakref.chain import Reference, extract, generator, reference
+from leakref.chain import Reference, extract, reference
 from leakref.currents import UniformCurrent
+from leakref.generator import generator
 from leakref.window import window as named_window
 
 QUICK = [f"{c.id}[{case.id}]" for c, case in select(profile="quick")]

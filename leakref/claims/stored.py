@@ -18,7 +18,7 @@ __all__ = ["by_line", "stored_claim", "stored_claims", "stored_decision", "store
 
 
 def stored_claims() -> dict[str, Any]:
-    """The JSON of `leakref claims` with 100 realisations, golden/claims.json. Raises Damaged if it is not whole."""
+    """The JSON of `leakref claims`, golden/claims.json. Raises Damaged if it is not whole."""
     return dict(beside.read("claims.json"))
 
 

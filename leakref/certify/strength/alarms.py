@@ -23,8 +23,8 @@ from leakref.certify.checks.statistics import FALSE_ALARMS, share
 from leakref.certify.runner import select
 from leakref.certify.subject.inprocess import InProcess
 from leakref.certify.subject.seas import Sea
-from leakref.chain import generator
 from leakref.currents import UniformCurrent
+from leakref.generator import generator
 
 __all__ = ["errors_of", "false_alarms", "rate_of", "sea_alarms", "seas", "seas_of"]
 
