@@ -668,7 +668,7 @@ def test_the_second_set_asks_more_of_deep_water_and_of_other_water_who_is_told_o
         words |= {"tank": ("surface_tension",), "capillary": ("surface_tension",)}
         named = next((water for word, water in words.items() if word in identifier), ())
         assert case.water == named, identifier
-        assert c(InProcess(Reference()), case).verdict == "pass", identifier
+        assert c(InProcess(beside.every() if case.method else Reference()), case).verdict == "pass", identifier
         if case.water:
             assert c(deep, case).verdict == "unsupported"
 
