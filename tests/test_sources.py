@@ -16,6 +16,7 @@ from leakref import altered, runs, sources
 from leakref.certify.strength import study
 from leakref.claims import evidence, shifts
 from leakref.golden import entries
+from leakref.methods import METHODS
 
 HOUSE = Path(leakref.__file__).parent
 PROJECT = HOUSE.parent
@@ -43,6 +44,7 @@ CHAIN = {
             "shell",
             "nsp",
             "leastsquares",
+            *sorted({m.extract.__module__.rpartition(".")[2] for m in METHODS.values()} - {"nsp", "leastsquares"}),
             "methods",
             "chain",
             "cases",

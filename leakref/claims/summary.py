@@ -12,7 +12,7 @@ __all__ = ["SENTENCES", "summary"]
 SENTENCES = {
     "A12": "untapered videos of still water show currents of a significant fraction of the peak phase velocity",
     "G2": "a Hann window reduces the errors in nine of ten seas",
-    "A10": "under a Hann window the mean spurious current of even the narrowest seas is below both velocity resolutions",
+    "A10": "under a Hann window even the narrowest seas show mean currents below both velocity resolutions alone",
     "A6": "around the peak spurious currents are negligible",
     "A2": "untapered, waves along an axis seem to meet a current against them at all wavenumbers above the peak",
     "A16": "in narrow seas the current across the waves is the soft component",
