@@ -52,6 +52,7 @@ def status_of(name: str, body: Callable[[], bool | int]) -> int:
 
 
 def _status(name: str, error: BaseException) -> int:
+    """The exit status for whatever ended a command, after one line has said so."""
     if isinstance(error, KeyboardInterrupt) or ending.told():
         say(ending.words())
         return ending.status()

@@ -96,6 +96,7 @@ def _file(part: str) -> Path:
 
 
 def _changed(part: str, changes: Sequence[Change]) -> str:
+    """The source of a module with its changes made. LeakrefError if a text to be changed is not there exactly once."""
     source = _file(part).read_text(encoding="utf-8")
     for change in changes:
         if (count := source.count(change.old)) != 1 or change.old == change.new:

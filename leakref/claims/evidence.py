@@ -184,6 +184,7 @@ def kept_velocities(
 
 
 def _computed(configuration: Configuration, realization: int, setting: Setting) -> FloatArray:
+    """Velocities (w, m, n, 2) of one realisation with what the setting does otherwise, by the compiled chain."""
     k, windows = configuration.wavenumbers, configuration.windows
     if setting.resampled:
         return resampled(configuration, realization)

@@ -173,6 +173,9 @@ def _(see: Evidence) -> Iterator[Reading]:
     "under Hann; still water, or all cases.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Conservative is a bound that no error exceeds. Still water comes first, as the text derives it there; with a
+    current the error is taken as the figures show it, and as a vector.
+    """
     seas = {"still water": _STILL, "all": _ALL}
     measures = {**MEASURES, "mean + 2 sd of |c - U|": lambda e: missed(e) + 2 * deviation(missed(e))}
     for (cases, members), (words, of), (resolution, choose) in product(

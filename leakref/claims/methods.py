@@ -58,6 +58,9 @@ def _(see: Evidence) -> Iterator[Reading]:
     "Mean of |c|, or mean + 2 sd, below the smaller or larger resolution at every k > 1; untapered and Hann.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Both levels are tested against either resolution, with and without a taper: the text speaks of one figure, which
+    shows the mean and twice the deviation beside both of them.
+    """
     for level, resolution, window in product(LEVELS, RESOLUTIONS, WINDOWS):
         e = see(_CASE, window)
         limit = RESOLUTIONS[resolution](*e.resolutions)[ABOVE(e.wavenumbers)]
@@ -90,6 +93,9 @@ def _(see: Evidence) -> Iterator[Reading]:
     "at k < 1; untapered and Hann.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Unusable is what cannot be told from nothing: a scatter as large as the resolution itself. Twice the deviation,
+    as the figures show it, comes first.
+    """
     for (cut, setting), sd, resolution, window in product(_THRESHOLDS.items(), (2, 1), ("larger", "smaller"), WINDOWS):
         nsp, ls = (
             _over_limit(e, sd * random(e), resolution, BELOW)

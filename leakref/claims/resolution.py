@@ -136,6 +136,9 @@ def _(see: Evidence) -> Iterator[Reading]:
     "both are parts, and each by itself a reading.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """Longer is worse only where the width of G, which shrinks with the duration, becomes narrower than what leaks in
+    wavenumber (R9). Where that is so is told by wavenumber.
+    """
     for words, of in STATISTICS.items():
         worse = {
             window: pooled(

@@ -54,6 +54,9 @@ def _percent(value: float) -> float:
     "The largest offset at which |transform of the box| exceeds 1 % of its maximum, in bins.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
+    """The transform of the box has zeros at every bin, so that its envelope is what stays: the last offset where any
+    side lobe still reaches a hundredth is what counts.
+    """
     v, height = lobes(see.window("box"))
     reach = float(v[height > 0.01].max())
     yield Reading({}, reach > 20, {"bins": round(reach, 2)})

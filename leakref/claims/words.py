@@ -114,6 +114,7 @@ class Tally:
 
 
 def _tally(sample: Sample, margin: FloatArray, shown: Mask, against: FloatArray) -> Tally:
+    """A comparison that tells nothing, for or against, where the margin or its error is not known."""
     unknown = np.isnan(margin) | np.isnan(sample.error)  # nothing is told there, for or against
     return Tally(
         sample.k,

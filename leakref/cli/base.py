@@ -41,6 +41,7 @@ def _options(
         typer.Option("--traceback", help="Where something breaks, show where in the code; also LEAKREF_TRACEBACK=1."),
     ] = False,
 ) -> None:
+    """What may stand before a command; without a command only --version is an answer."""
     if traceback:
         os.environ[ending.TRACEBACK] = "1"
     if context.invoked_subcommand is None and version is True:

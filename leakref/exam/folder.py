@@ -132,6 +132,10 @@ def _written(
     seed: int,
     after_each: Callable[[], object],
 ) -> dict[str, Any]:
+    """Everything in a folder that is still to be moved to its place: the inputs as they are asked for, each once, then
+    the questions in both forms, the declaration, the runners and the page that tells how to answer. The object in
+    questions.json is returned.
+    """
     inputs: dict[str, dict[str, Any]] = {}
 
     def keep(contents: str, arrays: Mapping[str, Any]) -> None:

@@ -93,6 +93,9 @@ class Recorder(Subject):
         """Whether it answers nothing, in place of what is wrong."""
 
     def _work(self, stage: str, arrays: dict[str, Any], parameters: dict[str, Any]) -> Mapping[str, Any]:
+        """Keep what is asked, once for all checks that ask it and with its input once for all questions, and answer so
+        that the check goes on.
+        """
         key = key_of(stage, arrays, parameters)
         shape = self.shape_of(stage, arrays, parameters)
         known = self.found.get(key)

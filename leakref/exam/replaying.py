@@ -43,6 +43,9 @@ class Replay(Subject):
         self._known, self._place, self._format = known, place.resolve(), form
 
     def _work(self, stage: str, arrays: dict[str, Any], parameters: dict[str, Any]) -> Mapping[str, Any]:
+        """The answer that came back to this very question. What was not foreseen is unsupported, what was left out
+        missing.
+        """
         one = self._known.get(key_of(stage, arrays, parameters))
         if one is None:
             raise Unanswered(

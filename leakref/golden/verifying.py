@@ -147,6 +147,9 @@ def _is_quick(entry: Entry) -> bool:
 def _verify_realizations(
     entries: Sequence[Entry], full: bool, work: Path | None, workers: int, step: Step
 ) -> list[Failure]:
+    """Single realisations by the closed form, and with `full` through the surface and its transform as well, those of
+    huge cubes left out; first, that a configuration is still the one that its name stood for.
+    """
     failures = []
     by_surface = [entry.id for entry in entries if full and not _is_huge_again(entry)]
     again = {record["id"]: record for record in certified(by_surface, work, workers)}
@@ -183,6 +186,7 @@ def _without_null(entry: Entry, found: Mapping[str, Any], route: str) -> list[Fa
 def _verify_ensembles(
     entries: Sequence[Entry], route: str, work: Path | None, workers: int, step: Step
 ) -> list[Failure]:
+    """Ensembles run again, those of the same methods together, and their statistics against the ones that are kept."""
     wanted = {entry.id: entry for entry in entries}
     failures = []
     by_methods: dict[tuple[str, ...], list[Configuration]] = {}

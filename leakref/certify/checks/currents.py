@@ -49,6 +49,9 @@ def _median(over: FloatArray) -> FloatArray:
 
 
 def _judged(subject: Subject, case: Case, without: tuple[str, ...] = ()) -> Outcome:
+    """One sea with a current that is as fast, beside its waves, as in deep water; a method that is left out is not
+    judged.
+    """
     given = case.given
     slower = float(inputs.still().phase_velocity(1.5) / DEEP.phase_velocity(1.5))  # than in deep water
     u, v = given["current"]

@@ -228,6 +228,9 @@ def _wants_noise(subject: Subject, cube: Cube, method: str, outcome: Outcome) ->
 
 
 def _judged(subject: Subject, cube: Cube, method: str, allowed: FloatArray | float, others: float) -> Outcome:
+    """Of all that is right of such a cube, the one to which the answer is nearest decides; where none is near enough,
+    what is told is the distance from the first.
+    """
     window = aligned_window(subject)
     if window != "box":
         others = max(1.0, others)  # what a lobe does to an algorithm is its own affair, up to the resolution

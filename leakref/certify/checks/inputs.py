@@ -242,6 +242,7 @@ def _sea(
     wavenumbers: tuple[float, ...],
     water: Water,
 ) -> Cube:
+    """A realisation of a sea of the chain on a grid, with waves between the bins as they are at sea."""
     state = SeaState(direction, spread, peakedness, float(min(grid.lengths[:2])) / (2 * np.pi), current, water)
     return Cube(state.components(realization), grid, np.array(wavenumbers), current)
 
@@ -265,6 +266,7 @@ def _pair(
     phase: tuple[float, float],
     water: Water,
 ) -> Cube:
+    """Two waves on bins, and the current near the one wished for under which both lie on bins of the frequency too."""
     k = np.array([first, second]) * grid.bin_widths[:2]
     size = np.hypot(*k.T)
     m = np.rint((water.frequency(size) + k @ np.asarray(near)) / grid.frequency_resolution).astype(int)

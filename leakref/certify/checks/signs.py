@@ -54,6 +54,9 @@ def image(found: FloatArray, should: FloatArray) -> str:
 
 
 def _told(over: float, found: FloatArray, should: FloatArray) -> Outcome:
+    """In words: the true current, what came back, and of which of its images that is, if it is too far off and like
+    one.
+    """
     looks = image(found, should) if over > 1 else ""
     told = (
         f"a current of {vector(should)} comes back {looks}, as"

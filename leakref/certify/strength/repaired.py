@@ -160,6 +160,7 @@ class Repaired(Subject):
         self.reproduces, self.alike = memory.inner.reproduces, memory.inner.alike or frozenset()
 
     def _work(self, stage: str, arrays: dict[str, Any], parameters: dict[str, Any]) -> Mapping[str, Any]:
+        """The question as the repair changes it, put to the code itself, and its answer as the repair changes that."""
         if stage != "extract":
             return self.memory.inner._work(stage, arrays, parameters)
         order, repair = self.declaration.axes, self.repair

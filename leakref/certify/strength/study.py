@@ -297,6 +297,9 @@ def _summary(
     *,
     full: bool,
 ) -> dict[str, Any]:
+    """What golden/strength.json holds: of each fault what kills it and by how much, of each variant how often it was
+    rejected, of each family what it alone sees, faults that no answer tells apart, and what is not as it should be.
+    """
     mutants = [
         {
             **{key: value for key, value in r.items() if key != "over"},

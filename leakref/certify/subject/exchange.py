@@ -93,6 +93,9 @@ class Exchange:
             ) from None
 
     def _given(self, run: int, form: str, arrays: Mapping[str, npt.ArrayLike]) -> tuple[Path, Path]:
+        """Where the inputs of a run lie, and where its output belongs: arrays as little-endian float64 in the format
+        that the program declared, readable and no more.
+        """
         place = self.folder / f"run-{run}"
         try:
             place.mkdir()

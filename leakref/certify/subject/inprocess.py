@@ -67,6 +67,7 @@ class InProcess(Subject):
         super().__init__(describe(given, self.functions, name or _name(implementation)))
 
     def _work(self, stage: str, arrays: dict[str, Any], parameters: dict[str, Any]) -> Mapping[str, Any]:
+        """Call the function of a stage, and see whether it left its inputs alone; what it raises is its own fault."""
         before = {name: np.array(value) for name, value in arrays.items()}
         try:
             answer = call(self.functions[stage], stage, arrays, parameters)

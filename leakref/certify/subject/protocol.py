@@ -107,6 +107,9 @@ class ProcessSubject(Subject):
         self._last = ""
 
     def __enter__(self) -> Self:
+        """Start the program and ask it a first small question. HarnessBroken where either fails: then nothing can be
+        judged.
+        """
         self._exchange = Exchange(self.keep)
         last_resorts.add(self._abandon)
         try:

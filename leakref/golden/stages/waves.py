@@ -90,6 +90,7 @@ def _bins_of(given: Input) -> Output:
 
 
 def _bins_of_by_oracle(given: Input, _: Output) -> Output:
+    """The lattice of bins from its definition with 40 digits, in the order of the discrete transform."""
     mp = oracle.mp
     widths = [2 * mp.pi / (n * oracle.mpf(d)) for n, d in zip(given["shape"], given["spacing"], strict=True)]
     nx, ny, nt = given["shape"]
