@@ -96,16 +96,20 @@ def test_golden_entries_in_work_are_of_their_id(tmp_path):
 
     def make(name):
         made.append(name)
-        return {"id": name, "value": [1.5, None]}
+        return [{"id": name, "value": [1.5, None]}]
+
+    def resumed(name):
+        (record,) = entries._resumed([name], tmp_path, lambda: make(name))
+        return record
 
     for name in ("a", "b", "a"):
-        assert entries._resumed(name, tmp_path, lambda name=name: make(name)) == {"id": name, "value": [1.5, None]}
+        assert resumed(name) == {"id": name, "value": [1.5, None]}
     assert made == ["a", "b"]
     a, b = (
         tmp_path / "entries" / f"{kept.key({'id': name, 'source': entries._source_digest()})}.json" for name in "ab"
     )
     shutil.copy(b, a)
-    assert entries._resumed("a", tmp_path, lambda: make("a"))["id"] == "a"
+    assert resumed("a")["id"] == "a"
     edited(b, lambda content: content["record"].update(value=[1.5, 2.0]))
-    assert entries._resumed("b", tmp_path, lambda: make("b"))["value"] == [1.5, None]
+    assert resumed("b")["value"] == [1.5, None]
     assert made == ["a", "b", "a", "b"]

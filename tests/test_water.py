@@ -380,7 +380,7 @@ def test_both_routes_give_one_spectrum_and_one_velocity(water, grid):
 @waters
 def test_the_fast_path_is_the_chain_on_the_grid_of_the_paper(water):
     waves, k = seas(water, 1, 5), shell_wavenumbers(SMALL, 0.4, 3.5)[::3]
-    quick = fast.realize(waves, SMALL, k, windows=("hann",), water=water)
+    quick = fast.realize(waves, SMALL, k, windows=("hann",), methods=tuple(METHODS), water=water)
     (spectrum,) = transform(waves, SMALL, ("hann",), route="B", largest_wavenumber=4.2)
     for method in METHODS:
         plain = analyse(spectrum, k, water=water, method=method, peak_wavenumber=1.0)
@@ -450,7 +450,11 @@ def test_two_waves_on_bins_give_their_current_exactly(water):
     shift = waves.omega - waves.kx * current[0] - waves.ky * current[1]
     np.testing.assert_allclose(shift, exact(oracle.dispersion, k, *given_to_oracle(water)), rtol=1e-14)
     (spectrum,) = transform(waves, grid, ("box",), route="A")
-    for method in METHODS:
+    for method, record in METHODS.items():
+        width = nsp.WIDTH * record.spread(grid, water, float(np.mean(k))) * grid.frequency_resolution
+        if min(shift.min(), grid.nyquist[2] - shift.max()) < 4 * width:
+            assert method == "nsp-adaptive"  # whose G reaches its mirror image, or past the band
+            continue
         found = analyse(spectrum, [float(np.mean(k))], water=water, method=method)
         assert np.abs(found.velocities - current).max() < 1e-11, method
 

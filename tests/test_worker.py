@@ -144,7 +144,7 @@ def test_a_bare_function_is_asked_for_no_more_than_it_takes(folder):
         ("small_code:none", "small_code has no 'none'", False),
         ("failing_code:x", "ValueError: ", False),
         ("fault:no-such-fault", "no-such-fault", False),
-        ("small_code:nothing", "offers none of window", True),
+        ("small_code:nothing", "offers none of sea, window", True),
         ("small_code:Broken", "declares axes = 'abc'", True),
     ],
 )

@@ -117,8 +117,9 @@ def _reach(cube: Cube, request: Request, notes: list[str]) -> float:
     if request.wavenumbers is not None:
         reach = float(request.wavenumbers.max()) + (HALF_WIDTH + 1) * cube.grid.wavenumber_resolution
         across = np.minimum(2 * reach / np.array(cube.grid.bin_widths[:2]) + 1, cube.grid.shape[:2])
-        if (size := 8 * float(across.prod()) * cube.grid.shape[2]) > KEPT:
-            most = request.wavenumbers.max() * np.sqrt(KEPT / size)
+        size = 8 * float(across.prod()) * cube.grid.shape[2]
+        if (share := KEPT / size) < 1:
+            most = request.wavenumbers.max() * np.sqrt(share)
             raise LeakrefError(
                 "extract",
                 f"the spectrum up to the largest wavenumber takes {size / 1e9:.2g} GB",

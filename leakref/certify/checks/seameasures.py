@@ -19,6 +19,7 @@ from leakref.certify.checks.statistics import FALSE_ALARMS
 from leakref.certify.subject.seas import Sea
 from leakref.certify.verdict import Unanswered, Verdict
 from leakref.currents import UniformCurrent
+from leakref.dispersion import DEEP
 from leakref.sea import Components, SeaState, directional_spreading, jonswap
 from leakref.synthesis import synthesize
 
@@ -84,7 +85,7 @@ def _bins(sea: Sea) -> tuple[FloatArray, FloatArray]:
     kx, ky = i * sea.grid.bin_widths[0], j * sea.grid.bin_widths[1]
     k = np.maximum(np.hypot(kx, ky), 1e-9)
     density = jonswap(sea.water.frequency(k) / sea.water.frequency(1.0), sea.peakedness)
-    density *= directional_spreading(np.degrees(np.arctan2(ky, kx)), sea.direction, sea.spread) / k**1.5
+    density *= directional_spreading(np.degrees(np.arctan2(ky, kx)), sea.direction, sea.spread) * DEEP.density_factor(k)
     strong = density >= STRONG * density.max()
     return i[strong], j[strong]
 
