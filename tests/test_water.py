@@ -452,7 +452,7 @@ def test_two_waves_on_bins_give_their_current_exactly(water):
     (spectrum,) = transform(waves, grid, ("box",), route="A")
     for method, record in METHODS.items():
         width = nsp.WIDTH * record.spread(grid, water, float(np.mean(k))) * grid.frequency_resolution
-        if min(shift.min(), grid.nyquist[2] - shift.max()) < 4 * width:
+        if min(shift.min(), grid.nyquist[2] - shift.max()) < 3 * width:
             assert method == "nsp-adaptive"  # whose G reaches its mirror image, or past the band
             continue
         found = analyse(spectrum, [float(np.mean(k))], water=water, method=method)
