@@ -164,8 +164,8 @@ VARIANTS: dict[str, Variant] = {v.id: v for v in (
             (Change("fast", "ring, velocity, d = ring._replace(magnitude=self.magnitude)",
                     f"ring, velocity, d = ring._replace(magnitude=self.magnitude * ({_NORM}))"),
              Change("fast", f"        d *= {_NORM}\n", ""),
-             Change("fast", "self.models.made[:] = 0",  # moments are kept from shell to shell, F is in another unit now
-                    "self.models.made[:] = 0\n        self.models.cells[:] = np.iinfo(np.int64).min"),
+             Change("fast", "self.models.made[:] = 0\n        first",  # moments are kept, F is in another unit now
+                    "self.models.made[:] = 0\n        self.models.cells[:] = np.iinfo(np.int64).min\n        first"),
              Change("fast.score", "if size <= 1e-8:",
                     "if size <= 1e-4 and max(abs(values[1] - values[0]), abs(values[2] - values[0])) <= 1e-4:"),
              Change("fast.score", _CLIMB, "c[:] = simplex[0] * unit\n    steps, arrived = 0, True\n"
