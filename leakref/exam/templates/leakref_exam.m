@@ -103,8 +103,10 @@ function text = answered(code, folder, form, cells)  % one question: its answer 
         rest = output(folder, form, cells{5}, 'S', code.spectrum(p.eta, rmfield(p, 'eta')));
       case 'synthesize'
         rest = output(folder, form, cells{5}, 'eta', code.synthesize(p));
-      otherwise
+      case 'window'
         rest = output(folder, form, cells{5}, 'w', code.window(p));
+      otherwise
+        error('leakref:unsupported', 'this runner knows no stage %s', stage);
     end
     status = 'ok';
   catch fault
