@@ -2,8 +2,9 @@
 
 Some checks ask further only if an answer was wrong, or lacking, or if the code works as one of the reference's methods.
 So each is run on every kind of answer there is: numbers that are never right, none at all, and both for each method
-that a code may turn out to be. What can still be asked beyond that hangs on an answer in a way that nobody foresaw, and
-is `unsupported` where it is marked (`replaying`).
+that a code may turn out to be. What follows from an answer comes last, as far as there is room for it. What can still
+be asked beyond that, or hangs on an answer in a way that nobody foresaw, is `unsupported` where it is marked
+(`replaying`).
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from leakref.certify.checks.registry import Case, Check
 from leakref.certify.runner import select
 from leakref.certify.subject.declaration import Declaration
 from leakref.certify.subject.frames import OUTPUTS, OWN, Subject
+from leakref.certify.verdict import Unanswered, Verdict
 from leakref.golden.sets import NEWEST
 from leakref.methods import METHODS
 
@@ -31,6 +33,7 @@ IDENTITY = "identity"
 """The id of the question by which a code is held to digits, where no check asks it as well."""
 LARGEST = 150e6
 """Bytes of the quick examination, whatever is declared."""
+_REST = 2e6  # of these for headers, questions and runners
 Keep = Callable[[str, Mapping[str, Any]], object]
 Key = tuple[str, str, str]
 """What a question is known by: its stage, the digest of its arrays, its parameters as JSON."""
@@ -79,13 +82,15 @@ class Recorder(Subject):
     """A subject that keeps what it is asked in `found`, and answers so that a check goes on.
 
     `keep` is called with the digest and the arrays of each input that is new, in the order in which they are asked.
+    Inputs of what follows from an answer must fit into the bytes of `room`, and are unsupported if they do not.
     """
 
     watched = False
 
-    def __init__(self, declaration: Declaration, keep: Keep) -> None:
+    def __init__(self, declaration: Declaration, keep: Keep, room: float) -> None:
         super().__init__(declaration)
         self.found: dict[Key, Question] = {}
+        self.room, self.followed = room, False
         self._keep, self._inputs, self._asked = keep, set[str](), 0
         self.check = IDENTITY
         """The id of the finding that is asked for."""
@@ -101,6 +106,10 @@ class Recorder(Subject):
         known = self.found.get(key)
         if known is None:
             if key[1] and key[1] not in self._inputs:
+                size = sum(np.asarray(array).nbytes for array in arrays.values())
+                if self.followed and size > self.room:
+                    raise Unanswered(Verdict.UNSUPPORTED, "there is no room for what follows from an answer")
+                self.room -= size
                 self._inputs.add(key[1])
                 self._keep(key[1], arrays)
             count = sum(question.checks[0] == self.check for question in self.found.values())
@@ -119,21 +128,20 @@ class Recorder(Subject):
         row = None if self.silent else [_WRONG * self._asked, -_WRONG * (self._asked + 1)]
         return {"velocities": [row] * count, "wavenumbers": parameters["wavenumbers"][:count]}
 
-    def ask_all(self, check: Check, case: Case, follow: bool) -> None:
-        """Have a check put its questions, to each kind of code that this one may turn out to be; with `follow` also
-        those that follow where nothing is answered.
+    def ask_all(self, check: Check, case: Case) -> bool:
+        """Have a check put its questions, to each kind of code that this one may turn out to be, and with `followed`
+        those that follow where what is answered is wrong, or nothing. Whether it asks for velocities.
         """
-        self.check = f"{check.id}[{case.id}]"
+        self.check, before = f"{check.id}[{case.id}]", self._asked
         named = self.declaration.methods
         kinds = [("", frozenset[str]()), ("", frozenset(METHODS))]
         if not named:
             kinds = [(OWN, frozenset()), *((name, frozenset({name})) for name in METHODS)]
         for reproduces, alike in kinds if self.offers("extract") else kinds[:1]:
-            self.reproduces, self.alike, self.silent, before = reproduces, alike, False, self._asked
-            check(self, case)
-            if follow and self._asked > before and check.stage == "extract":
-                self.silent = True
+            for silent in (False, True) if self.followed else (False,):
+                self.reproduces, self.alike, self.silent = reproduces, alike, silent
                 check(self, case)
+        return check.stage == "extract" and self._asked > before
 
 
 def questions(
@@ -143,21 +151,29 @@ def questions(
     profile: str = "quick",
     golden: int = NEWEST,
     seed: int = PUBLISHED,
+    room: float | None = None,
     after_each: Callable[[], object] = lambda: None,
 ) -> list[Question]:
-    """All questions that `certify` may put to a code of that declaration, each once, in the order of the checks.
+    """All questions that `certify` may put to a code of that declaration, each once: first those that it puts to every
+    such code, in the order of the checks, then those that follow from an answer, as far as `room` goes.
 
-    `keep` is called with each new input as it is made, `after_each` after each check. In the quick profile a code of
-    which two hold, that it is told the depth, is told the tension, and tapers nothing, is asked so much (`LARGEST`)
-    that it is not shown twelve waves where two gave no velocity.
+    `keep` is called with each new input as it is made, `after_each` after each check. `room` is in bytes of inputs
+    (default: in the quick profile what leaves the whole within `LARGEST`, in the full one as much as is asked).
     """
-    recorder = Recorder(declaration, keep)
-    follow = profile == "full" or len(declaration.told) + (not declaration.tapers) < 2
-    for check, case in select(profile=profile, golden=golden, seed=seed):
-        recorder.ask_all(check, case, follow)
+    if room is None:
+        room = LARGEST - _REST if profile == "quick" else np.inf
+    recorder = Recorder(declaration, keep, room)
+    checks = select(profile=profile, golden=golden, seed=seed)
+    leading = []
+    for check, case in checks:
+        if recorder.ask_all(check, case):
+            leading.append((check, case))
         after_each()
-    recorder.check, recorder.alike, recorder.silent = IDENTITY, None, False
+    recorder.check, recorder.alike = IDENTITY, None
     identify(recorder)
+    recorder.followed = True
+    for check, case in leading:
+        recorder.ask_all(check, case)
     return list(recorder.found.values())
 
 

@@ -206,7 +206,7 @@ def judge_exactly(
             raise
         cube, subject.gaps = more, ""
         outcome = _judged(subject, more, method, allowed, others)
-    if outcome.over <= 1 or not of_its_own(subject, method):
+    if outcome.over <= 1 or not of_its_own(subject, method) or not subject.followed:
         return outcome
     asked = len(subject.calls)
     try:

@@ -74,6 +74,8 @@ class Subject:
 
     watched = True
     """Whether it is seen at work: what it does to its input, and whether it says the same twice."""
+    followed = True
+    """Whether a wrong answer leads to other questions."""
 
     def __init__(self, declaration: Declaration) -> None:
         self.declaration = declaration
