@@ -28,7 +28,7 @@ from leakref import __version__
 from leakref._base import LeakrefError, refusal
 from leakref._output import dump
 from leakref.certify.subject.declaration import Declaration
-from leakref.certify.subject.exchange import opened
+from leakref.certify.subject.exchange import opened, too_deep
 from leakref.certify.subject.frames import OUTPUTS
 from leakref.certify.verdict import Unanswered
 from leakref.exam import storing
@@ -41,7 +41,6 @@ SCHEMA = "leakref/exam/1"
 QUESTIONS, ANSWERS = "questions.json", ("answers.json", "answers.mat")
 _LARGEST = 1 << 26
 """Bytes of questions.json: those of the full profile take a hundredth."""
-_DEEPEST = 50
 _WAVES = ("kx", "ky", "omega", "amplitude", "phase")
 RUNNERS = {
     "raw": (
@@ -172,13 +171,21 @@ def _written(
     return record
 
 
+_FITS = {
+    "leakref_example.m": ("octave/adapter.m", "function w = taper", "function said = answer"),
+    "leakref_example.cpp": ("cpp/adapter.cpp", "Values taper(", "std::string extract("),
+}
+"""Of the examples that answer with the fit of a scaffold: its file, and where the fit begins and ends in it."""
+
+
 def text_of(name: str) -> str:
-    """A runner, or what is said to the owner. The example in Octave is the scaffold's own fit."""
-    if name == "leakref_example.m":
-        adapter = resources.files("leakref.certify").joinpath("templates", "octave", "adapter.m").read_text("utf-8")
-        fit = adapter[adapter.index("function w = taper") : adapter.index("function said = answer")]
-        return resources.files("leakref.exam").joinpath("templates", name).read_text("utf-8").replace("@FIT@\n", fit)
-    return resources.files("leakref.exam").joinpath("templates", name).read_text("utf-8")
+    """A runner, an example, or what is said to the owner."""
+    text = resources.files("leakref.exam").joinpath("templates", name).read_text("utf-8")
+    if name not in _FITS:
+        return text
+    place, begins, ends = _FITS[name]
+    adapter = resources.files("leakref.certify").joinpath("templates", *place.split("/")).read_text("utf-8")
+    return text.replace("@FIT@\n", adapter[adapter.index(begins) : adapter.index(ends)])
 
 
 def filled(text: str, form: str, words: Mapping[str, str]) -> str:
@@ -270,7 +277,7 @@ def strict_json(top: Path, name: str, largest: int, remedy: str) -> tuple[Any, s
         said = json.loads(
             content.decode("utf-8"), parse_constant=partial(_refused, "not a number of JSON"), object_pairs_hook=_object
         )
-        if _deep(said):
+        if too_deep(said):
             _refused("nested too deep", "it")
     except (ValueError, RecursionError) as error:
         raise LeakrefError("exam grade", f"{path} is not strict JSON, or cut short ({error})", remedy) from None
@@ -287,18 +294,6 @@ def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
         names = [name for name, _ in pairs]
         _refused("there twice in one object", repr(next(name for name in names if names.count(name) > 1))[:80])
     return found
-
-
-def _deep(said: Any) -> bool:
-    level = [said]
-    for _ in range(_DEEPEST):
-        level = [
-            inner
-            for one in level
-            if isinstance(one, dict | list)
-            for inner in (one.values() if isinstance(one, dict) else one)
-        ]
-    return bool(level)
 
 
 def load(place: Path) -> Sheet:

@@ -71,17 +71,15 @@ CHANCE = (
 )
 
 
-def _told(subject: Subject, name: str) -> None:
-    """Raises Unanswered (unsupported) where a parameter of the sea is one that it cannot be told."""
-    if name in subject.declaration.untold:
-        raise Unanswered(Verdict.UNSUPPORTED, f"cannot be told the {name} of a sea")
-
-
-def asked_of(subject: Subject, case: Case) -> Sea:
-    """The sea of a case, in the water that the code knows; still water for one that cannot be told a current."""
+def asked_of(subject: Subject, case: Case, *told: str) -> Sea:
+    """The sea of a case, in the water that the code knows; still water for one that cannot be told a current. Raises
+    Unanswered (unsupported) for one that offers no seas, or cannot be `told` what the question is about.
+    """
     if not subject.offers("sea"):
         raise Unanswered(Verdict.UNSUPPORTED, "does not offer sea")
-    _told(subject, "peak")
+    for name in ("peak", *told):
+        if name in subject.declaration.untold:
+            raise Unanswered(Verdict.UNSUPPORTED, f"cannot be told the {name} of a sea")
     given, draw, water = case.given, drawing(), inputs.still()
     if "depth" in given and "depth" in subject.told:
         water = replace(water, depth=float(given["depth"]))
@@ -113,8 +111,7 @@ def _apart(found: Measured, sea: Sea, names: tuple[str, ...]) -> tuple[float, st
 def check_energy(subject: Subject, case: Case) -> Outcome:
     """The mean square elevation that was asked for: amplitudes drawn at random without a factor hold two thirds of the
     energy, a height taken for a deviation sixteen times as much, a spectrum of one side taken for one of two half."""
-    sea = asked_of(subject, case)
-    _told(subject, "energy")
+    sea = asked_of(subject, case, "energy")
     over, _, ratio, _ = _apart(_seen(subject, sea), sea, ("energy",))
     return Outcome(over, f"its seas hold {ratio:.3g} of the energy asked for", figures={"ratio": ratio})
 
@@ -123,8 +120,7 @@ def check_energy(subject: Subject, case: Case) -> Outcome:
 def check_spectrum(subject: Subject, case: Case) -> Outcome:
     """The energy is spread over wavenumbers as the spectrum says: a peak in Hz for one in rad/s, a peakedness that is
     not used, and a density over frequencies taken for one over wavenumbers, without the group velocity, are seen."""
-    sea = asked_of(subject, case)
-    _told(subject, "peakedness")
+    sea = asked_of(subject, case, "peakedness")
     names = tuple(f"band-{n}" for n in range(len(BANDS) - 1))
     over, name, share, should = _apart(_seen(subject, sea), sea, names)
     low, high = BANDS[int(name[-1])], BANDS[int(name[-1]) + 1]
@@ -143,8 +139,7 @@ def check_spectrum(subject: Subject, case: Case) -> Outcome:
 def check_directions(subject: Subject, case: Case) -> Outcome:
     """The waves go where they were told to: where they come from taken for where they go to, degrees for radians, a
     compass for a mathematical angle, x and y exchanged or rows counted downwards turn the sea."""
-    sea = asked_of(subject, case)
-    _told(subject, "direction")
+    sea = asked_of(subject, case, "direction")
     over, _, turn, _ = _apart(_seen(subject, sea), sea, ("turn",))
     return Outcome(over, f"its waves go {turn:+.3g} degrees off the direction asked for", figures={"turn": turn})
 
@@ -153,9 +148,7 @@ def check_directions(subject: Subject, case: Case) -> Outcome:
 def check_spread(subject: Subject, case: Case) -> Outcome:
     """The directions deviate from their mean by as much as was asked for: a full width taken for half of it, for a
     deviation or for an exponent makes the sea too broad or too narrow."""
-    sea = asked_of(subject, case)
-    for name in ("spread", "direction"):
-        _told(subject, name)
+    sea = asked_of(subject, case, "spread", "direction")
     over, _, width, should = _apart(_seen(subject, sea), sea, ("width",))
     words = f"its directions deviate by {width / should:.3g} of what was asked for"
     return Outcome(over, words, figures={"ratio": width / should})
@@ -165,8 +158,7 @@ def check_spread(subject: Subject, case: Case) -> Outcome:
 def check_backwards(subject: Subject, case: Case) -> Outcome:
     """Waves run one way: where a surface is the real part of amplitudes that do not turn with time, or both signs of
     the frequency are given to each wave, half of the energy runs against it."""
-    sea = asked_of(subject, case)
-    _told(subject, "direction")
+    sea = asked_of(subject, case, "direction")
     over, _, share, _ = _apart(_seen(subject, sea), sea, ("behind",))
     return Outcome(over, f"{100 * share:.3g} % of the energy run against the sea", figures={"share": share})
 
@@ -255,8 +247,7 @@ def check_amplitudes(subject: Subject, case: Case) -> Outcome:
 )
 def check_repeats(subject: Subject, case: Case) -> Outcome:
     """The same seed is the same sea: what is tested with it can be tested again."""
-    sea = asked_of(subject, replace(CASES[0], seed=case.seed))
-    _told(subject, "seed")
+    sea = asked_of(subject, replace(CASES[0], seed=case.seed), "seed")
     first, second = (subject.sea(sea, 7) for _ in range(2))
     deviation = max(float(np.sqrt(np.mean(first**2))), 1e-300)
     off = float(np.abs(first - second).max()) / deviation

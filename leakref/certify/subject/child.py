@@ -29,13 +29,13 @@ import psutil
 from leakref._base import refusal
 from leakref._output import dump
 from leakref.certify.subject import guardian, memory
+from leakref.certify.subject.exchange import too_deep
 from leakref.certify.verdict import Unanswered, Verdict, printable
 
 __all__ = ["Breach", "Child"]
 
 LONGEST = 1 << 22
 """Bytes of a line: what goes on for longer is dropped up to its end."""
-_DEEPEST = 50
 _CHUNK, _UNREAD, _TAIL = 1 << 16, 16, 1 << 12
 _POLL = 0.05  # seconds between two looks at the memory
 _GRACE = 2.0  # seconds to end after `stop`
@@ -243,7 +243,7 @@ class Child:
                 message = json.loads(text, parse_int=_whole, object_pairs_hook=partial(_object, repeated))
         except (ValueError, RecursionError):
             self._unreadable = _encoding(line) or self._unreadable
-        if isinstance(message, dict) and ("op" in message or "id" in message) and not _deep(message):
+        if isinstance(message, dict) and ("op" in message or "id" in message) and not too_deep(message):
             return Breach(Verdict.ERROR, f"said {repeated[0]!r} twice in one object") if repeated else message
         self._noise.append(line[:300].decode("utf-8", "replace"))
         return None
@@ -361,19 +361,6 @@ def _told_apart(held: float, limit: float) -> tuple[str, str]:
     allowed = f"{limit / 2**20:.6g}"
     texts = [f"{held / 2**20:.{digits}f}" for digits in range(10)]
     return next((text for text in texts if float(text) > float(allowed)), texts[-1]), allowed
-
-
-def _deep(message: Any) -> bool:
-    """Whether lists and objects are within each other more often than whoever reads it later can follow."""
-    level = [message]
-    for _ in range(_DEEPEST):
-        level = [
-            inner
-            for one in level
-            if isinstance(one, dict | list)
-            for inner in (one.values() if isinstance(one, dict) else one)
-        ]
-    return bool(level)
 
 
 def _object(repeated: list[str], pairs: list[tuple[str, Any]]) -> dict[str, Any]:

@@ -36,7 +36,7 @@ from leakref._output import dump, folder, write_whole
 from leakref.certify.verdict import Unanswered, Verdict, printable
 from leakref.cubes import formats
 
-__all__ = ["Exchange", "opened", "taken"]
+__all__ = ["Exchange", "opened", "taken", "too_deep"]
 
 Seen = tuple[int, int, str]
 """Of an input as it was handed over: its inode, its size and its SHA-256."""
@@ -47,6 +47,7 @@ _STEPWISE = os.open in os.supports_dir_fd  # whether a path can be walked folder
 _ENTRIES = 1000
 """In the exchange folder: those beyond it are not looked at."""
 _ROOM = 1 << 16
+_DEEPEST = 50
 
 
 class Exchange:
@@ -346,3 +347,16 @@ def _removed(one: str, top: Path) -> list[str]:
         os.rename(inner, moved[-1])
     os.rmdir(one)
     return moved
+
+
+def too_deep(message: Any) -> bool:
+    """Whether lists and objects are within each other more often than whoever reads it later can follow."""
+    level = [message]
+    for _ in range(_DEEPEST):
+        level = [
+            inner
+            for one in level
+            if isinstance(one, dict | list)
+            for inner in (one.values() if isinstance(one, dict) else one)
+        ]
+    return bool(level)

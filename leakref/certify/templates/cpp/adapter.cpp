@@ -1,12 +1,14 @@
-// An adapter in C++17: put your own code in place of what `extract` does here.
+// An adapter in C++17: put your own code in place of what `currents` does here.
 // It speaks protocol 1: a line of JSON in, a line of JSON out, arrays in plain files of little-endian float64.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <cstdio>
 #include <fstream>
 #include <iostream>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -87,13 +89,12 @@ void transform(Waves& values, int size, int stride, int sign) {
   }
 }
 
-// The current (cx, cy) that the waves near each wavenumber see, or null: a fit of omega = sqrt(g k tanh(k h)) + k.c by
-// least squares to the strong bins around each. The cube eta is [x][y][t], h the depth.
-std::string extract(const Values& eta, int nx, int ny, int nt, const std::string& line) {
-  const double dx = number(line, "dx"), dy = number(line, "dy"), dt = number(line, "dt"), g = number(line, "gravity"),
-               depth = number(line, "depth");
-  const Values wx = taper(text(line, "window"), nx), wy = taper(text(line, "window"), ny),
-               wt = taper(text(line, "window"), nt);
+// The current (cx, cy) that the waves near each wavenumber see, NaN where there is none: a fit of
+// omega = sqrt(g k tanh(k h)) + k.c by least squares to the strong bins around each. The cube eta is [x][y][t], h the
+// depth.
+std::vector<std::array<double, 2>> currents(const Values& eta, int nx, int ny, int nt, double dx, double dy, double dt,
+                                            double g, double h, const std::string& window, const Values& wavenumbers) {
+  const Values wx = taper(window, nx), wy = taper(window, ny), wt = taper(window, nt);
   Waves S(eta.size());
   for (std::size_t n = 0; n < eta.size(); ++n) {
     if (!std::isfinite(eta[n])) throw std::runtime_error("the surface holds values that are not finite");
@@ -103,9 +104,10 @@ std::string extract(const Values& eta, int nx, int ny, int nt, const std::string
   transform(S, ny, nt, -1);
   transform(S, nx, ny * nt, -1);
 
-  const double ux = 2 * pi / (nx * dx), uy = 2 * pi / (ny * dy), ut = 2 * pi / (nt * dt), width = std::max(ux, uy);
-  std::string rows;
-  for (const double wavenumber : numbers(line, "wavenumbers")) {
+  const double ux = 2 * pi / (nx * dx), uy = 2 * pi / (ny * dy), ut = 2 * pi / (nt * dt), width = std::max(ux, uy),
+               none = std::numeric_limits<double>::quiet_NaN();
+  std::vector<std::array<double, 2>> found;
+  for (const double wavenumber : wavenumbers) {
     struct Bin { double kx, ky, shift, power; };
     std::vector<Bin> shell;
     double largest = 0;
@@ -115,7 +117,7 @@ std::string extract(const Values& eta, int nx, int ny, int nt, const std::string
         if (std::abs(k - wavenumber) > 2.000001 * width) continue;
         for (int m = 0; m <= nt / 2; ++m) {
           const double power = std::norm(S[(std::size_t((i + nx) % nx) * ny + (j + ny) % ny) * nt + m]);
-          shell.push_back({i * ux, j * uy, m * ut - std::sqrt(g * k * std::tanh(k * depth)), power});
+          shell.push_back({i * ux, j * uy, m * ut - std::sqrt(g * k * std::tanh(k * h)), power});
           largest = std::max(largest, power);
         }
       }
@@ -125,11 +127,22 @@ std::string extract(const Values& eta, int nx, int ny, int nt, const std::string
         xx += bin.kx * bin.kx, xy += bin.kx * bin.ky, yy += bin.ky * bin.ky;
         xs += bin.kx * bin.shift, ys += bin.ky * bin.shift;
       }
-    const double determinant = xx * yy - xy * xy;
-    char row[80] = "null";  // waves in one direction say nothing of the current across it
+    const double determinant = xx * yy - xy * xy;  // waves in one direction say nothing of the current across it
     if (largest > 0 && wavenumber + 2 * width < pi / std::max(dx, dy) && determinant > 1e-9 * (xx + yy) * (xx + yy))
-      std::snprintf(row, sizeof row, "[%.17g, %.17g]", (yy * xs - xy * ys) / determinant,
-                    (xx * ys - xy * xs) / determinant);
+      found.push_back({(yy * xs - xy * ys) / determinant, (xx * ys - xy * xs) / determinant});
+    else
+      found.push_back({none, none});
+  }
+  return found;
+}
+
+std::string extract(const Values& eta, int nx, int ny, int nt, const std::string& line) {
+  std::string rows;
+  for (const auto& c : currents(eta, nx, ny, nt, number(line, "dx"), number(line, "dy"), number(line, "dt"),
+                                number(line, "gravity"), number(line, "depth"), text(line, "window"),
+                                numbers(line, "wavenumbers"))) {
+    char row[80] = "null";
+    if (std::isfinite(c[0])) std::snprintf(row, sizeof row, "[%.17g, %.17g]", c[0], c[1]);
     rows += (rows.empty() ? "" : ", ") + std::string(row);
   }
   return ", \"velocities\": [" + rows + "]";
