@@ -150,7 +150,7 @@ class Workers(SpawnContext):
         super().__init__()
         self._started: list[_Worker] = []
 
-    def Process(self, *args: Any, **keywords: Any) -> _Worker:  # type: ignore[override]
+    def Process(self, *args: Any, **keywords: Any) -> _Worker:  # type: ignore[override]  # one of ours
         """A process that is remembered."""
         self._started.append(_Worker(*args, **keywords))
         return self._started[-1]

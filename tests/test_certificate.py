@@ -24,12 +24,12 @@ EXTRACT, WINDOW = {"can": {"extract": {}}}, {"can": {"window": {"names": ["hann"
 
 
 def finding(family: str, verdict: Verdict, name: str = "a", **more: object) -> Finding:
-    return Finding(f"{family}.check[{name}]", family, verdict, f"{verdict} it is", **more)  # type: ignore[arg-type]
+    return Finding(f"{family}.check[{name}]", family, verdict, f"{verdict} it is", **more)
 
 
 def certificate(*findings: Finding, known: tuple[str, ...] = (), can: dict = EXTRACT, **more: object) -> Certificate:
     excused = {i: Known(i, "a reason", "an issue") for i in known}
-    return Certificate("a:b", "quick", "v1", {**SAID, **can}, list(findings), excused, **more)  # type: ignore[arg-type]
+    return Certificate("a:b", "quick", "v1", {**SAID, **can}, list(findings), excused, **more)
 
 
 def some(family: str, judged: int, missing: int) -> list[Finding]:

@@ -244,7 +244,7 @@ def unseen(counts, constants):
 
 
 FEW = [one for one in PERCENT if one[3] in ("window", "ls", "characteristic", "kernel")][::4]
-whole = pytest.mark.filterwarnings("ignore::RuntimeWarning")
+whole = pytest.mark.filterwarnings("ignore::RuntimeWarning")  # what a wrong constant leads to
 
 
 @whole

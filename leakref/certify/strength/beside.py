@@ -8,7 +8,7 @@ declare the method. What else can go wrong in a chain (`faults`) does so by any 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, cast
 
 from leakref.altered import Change
 from leakref.certify.strength.fault import Fault
@@ -21,7 +21,7 @@ __all__ = ["FAULTS", "every", "offering"]
 
 def offering(methods: Iterable[str]) -> dict[str, Any]:
     """What the reference declares if it offers these methods and no others, for `Named`."""
-    can = dict(reference.describe()["can"])  # type: ignore[call-overload]
+    can = cast(dict[str, Any], reference.describe()["can"])
     return {"can": {**can, "extract": {**can["extract"], "methods": list(methods)}}}
 
 
