@@ -29,7 +29,7 @@ LONGEST = ("test_checks", "test_protocol", "test_golden", "test_certify_command"
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    parser.addoption("--slow", action="store_true", help="also run the tests marked slow")
+    parser.addoption("--slow", action="store_true", help="also run the tests marked slow or night")
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -51,7 +51,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     items.sort(key=lambda item: rank.get(item.path.stem, len(rank)))
     if not config.getoption("--slow"):
         for item in items:
-            if "slow" in item.keywords:
+            if not {"slow", "night"}.isdisjoint(item.keywords):
                 item.add_marker(pytest.mark.skip(reason="slow: run with --slow"))
 
 

@@ -20,7 +20,7 @@ from leakref.window import WINDOWS, Window
 
 IDS = [
     f"{group}{n}"
-    for group, count in (("W", 11), ("N", 6), ("A", 16), ("P", 7), ("R", 9), ("U", 12), ("G", 8), ("B", 1))
+    for group, count in (("W", 11), ("N", 6), ("A", 16), ("P", 7), ("R", 9), ("U", 12), ("G", 8), ("M", 3), ("B", 1))
     for n in range(1, count + 1)
 ]
 PATTERN = np.array([-1.3, 1.3, -0.4, 0.4, 1.0, -1.0, 0.1, -0.1])
@@ -428,6 +428,13 @@ WORLDS = {
     "revealing": MadeUp(c0(lambda c, w, s, k: 0.1 / k**2, lambda c, k: 90 + 6 * c.rotation)),
     "hiding": MadeUp(c0(lambda c, w, s, k: 0.1 / k**2 + 0.05 * k**2 * (c.rotation != 0))),
     "sheared": MadeUp(c0(lambda c, w, s, k: np.where(k < 1, 0.3, 0.0))),
+    "polar": MadeUp(
+        lambda c, w, method, s, k, small, large: (
+            (0.5 if method == "pcs" and ((c.direction, c.spread) == (60, 15) or c.speed == 0.15) else 1.0) * small,
+            0.01 * small,
+            90.0,
+        )
+    ),
     "three times": MadeUp(nothing, seconds=(0.0, 3.0, 1.0)),
 }
 """Made-up evidence between which every verdict changes."""
@@ -502,6 +509,9 @@ FLIPS = {
     "G6": ("resolution", "nothing"),
     "G7": ("revealing", "hiding"),
     "G8": ("sheared", "nothing"),
+    "M1": ("polar", "nothing"),
+    "M2": ("nothing", "nsp better"),
+    "M3": ("ls better", "nothing"),
     "B1": ("everything", "nothing"),
 }
 """For each claim a world in which it holds, and one in which it does not."""
@@ -546,6 +556,22 @@ def test_the_nearest_reading_looks_at_what_the_paper_shows():
     found = CLAIMS["R5"].judge(MadeUp(c0(lambda c, w, s, k: np.where(k < 0.45, 3.0, 1e-3))))
     assert (found.verdict, found.depends_on) == ("reproduced", ["shells"])
     assert {line["shown"] for line in found.where} >= {"0.5 to 3.5"}
+
+
+def test_where_the_start_decides_it_is_said():
+    """From rest the widest spread is best, from the best point of a lattice all are alike."""
+    found = CLAIMS["A4"].judge(
+        MadeUp(
+            lambda c, w, method, s, k, small, large: (
+                (60 / c.spread if method == "nsp" else 1.0) * small,
+                (60 / c.spread if method == "nsp" else 1.0) * 0.1 * small,
+                90.0,
+            )
+        )
+    )
+    assert (found.verdict, found.depends_on) == ("reproduced", ["start (D6)"])
+    assert {r.choices["start (D6)"] for r in found.readings} == {"rest", "best of a lattice"}
+    assert [id for id, claim in CLAIMS.items() if claim.starts] == ["A3", "A4", "A11", "P1", "G1", "G6"]
 
 
 def test_where_it_holds_is_said_by_sea_and_wavenumber():

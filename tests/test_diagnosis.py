@@ -271,7 +271,7 @@ def certificates():
     return found, study.classes(records)
 
 
-@pytest.mark.slow
+@pytest.mark.night
 @pytest.mark.xdist_group("certificates")  # made once
 @pytest.mark.parametrize(("noisy", "share"), [(False, 0.95), (True, 0.95)])
 def test_the_right_fault_comes_first(noisy, share, certificates):

@@ -16,10 +16,10 @@ from leakref.claims.evidence import PLAIN
 from leakref.ensemble import Ensemble
 
 SPLITS = 200
-ALIKE = {"A5": "", "A9": "", "P6": "", "R7": "", "U9": "", "U10": "", "W9": "alike"}
+ALIKE = {"A5": "", "A9": "", "P6": "", "R7": "", "U9": "", "U10": "", "W9": "alike", "M2": ""}
 """Claims that say alike, and the part that does; false where they are refuted although all seas are one."""
 DIFFERENT = {"A4": "", "A7": "untapered matters", "N3": "", "P1": "", "R1": "finer dk", "R4": "", "U7": "stronger",
-             "G1": "direction", "W11": "large leaks", "P7": ""}  # fmt: skip
+             "G1": "direction", "W11": "large leaks", "P7": "", "M1": "favourable", "M3": ""}  # fmt: skip
 """Claims that say different, and the part that does; false where they are confirmed."""
 
 

@@ -71,7 +71,7 @@ def test_a_property_fails_on_a_fault_that_is_meant_for_it(name, monkeypatch):
     assert outcome(name, examined(f"fault:{fault}")) == "fail"
 
 
-@pytest.mark.slow
+@pytest.mark.night
 @pytest.mark.parametrize(("name", "fault"), [(name, fault) for name in MEANT for fault in MEANT[name][1:]])
 def test_a_property_fails_on_all_faults_that_are_meant_for_it(name, fault):
     assert outcome(name, examined(f"fault:{fault}")) == "fail"
@@ -82,7 +82,7 @@ def test_no_property_fails_on_a_variant(variant, name):
     assert outcome(name, examined(f"variant:{variant}")) == "pass"
 
 
-@pytest.mark.slow
+@pytest.mark.night
 @pytest.mark.parametrize("variant", VARIANTS)
 def test_no_property_fails_on_any_variant(variant):
     subject = examined(f"variant:{variant}")
@@ -91,7 +91,7 @@ def test_no_property_fails_on_any_variant(variant):
     assert "pass" in said.values()
 
 
-@pytest.mark.slow
+@pytest.mark.night
 def test_the_matrix_of_faults_and_properties(capsys):
     """Every exact property on every fault: printed, and no fault of the chain from sea to spectrum goes unseen."""
     seen = {}

@@ -160,7 +160,7 @@ def test_some_mistakes_are_rejected_and_told_nothing_false(name, tmp_path):
     assert record["told"] != "false", record["explanation"]
 
 
-@pytest.mark.slow
+@pytest.mark.night
 def test_mistakes_are_rejected_and_named(tmp_path):
     found = shares([of_mistake(mistake, tmp_path) for mistake in MISTAKES.values()])
     assert found["rejected"] >= 0.97, found["survivors"]
@@ -179,7 +179,7 @@ def test_right_codes_are_not_rejected(name, tmp_path):
     accepted(name, 1, tmp_path)
 
 
-@pytest.mark.slow
+@pytest.mark.night
 @pytest.mark.parametrize("seed", [7, 19])
 @pytest.mark.parametrize("name", RIGHT)
 def test_right_codes_are_not_rejected_under_other_seeds(name, seed, tmp_path):

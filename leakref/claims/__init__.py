@@ -2,12 +2,22 @@
 
 `configurations` names the seas, `evidence` computes their ensembles, `words` holds the vocabulary in which the
 statements are then written down, a module for each group: W windows, N methods, A directions, P peakedness,
-R resolution, U currents, G general, B inferred depths.
+R resolution, U currents, G general, M methods beside the paper's own, B inferred depths.
 """
 
 from __future__ import annotations
 
-from leakref.claims import currents, depths, directions, general, methods, peakedness, resolution, windows  # noqa: F401  which register them
+from leakref.claims import (  # noqa: F401  which register them
+    alternatives,
+    currents,
+    depths,
+    directions,
+    general,
+    methods,
+    peakedness,
+    resolution,
+    windows,
+)
 from leakref.claims.configurations import EXTRA
 from leakref.claims.evidence import Evidence
 from leakref.claims.registry import CLAIMS as _CLAIMS

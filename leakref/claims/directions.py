@@ -81,6 +81,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "sec:NSP_and_leakage",
     "Size across theta0 above size along it, and that along below the smaller resolution; sizes of the mean vector, "
     "or means of sizes. Spread 15, theta0 = 45, 60, 75 deg together.",
+    starts=True,
 )
 def _(see: Evidence) -> Iterator[Reading]:
     """Sizes of means and means of sizes differ where a component changes its sign from sea to sea: so both are
@@ -110,6 +111,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "sec:angwidth",
     "Each falls from a narrower to a wider spread at every shell, paired; theta0 = 60, 75, 90. In the steps 15, 30, "
     "45, 60 deg, or from 15 to 60, the two that are shown; untapered and Hann.",
+    starts=True,
 )
 def _(see: Evidence) -> Iterator[Reading]:
     for words, steps in (("15 to 60", [(15, 60)]), ("each", list(pairwise(SPREADS)))):
@@ -246,6 +248,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "untapered biases grow towards theta0 = 45 deg, away from the peak",
     "sec:conclusions",
     "Bias rises with each step 90, 75, 60, 45 deg, or from 90 to 45, at |k - 1| > 0.1; all spreads together.",
+    starts=True,
 )
 def _(see: Evidence) -> Iterator[Reading]:
     for words, steps in (("90 to 45", [(90, 45)]), ("each", list(pairwise((90, 75, 60, 45))))):

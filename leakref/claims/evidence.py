@@ -89,7 +89,7 @@ class Evidence:
     ) -> Ensemble:
         key = (configuration, setting)
         if (*key, window, method) not in self._kept:
-            found = self._plain(configuration) if setting == PLAIN else self._special(configuration, setting)
+            found = self._plain(configuration, method) if setting == PLAIN else self._special(configuration, setting)
             self._kept |= {(*key, e.window, e.method): e for e in found}
         return self._kept[*key, window, method]
 
@@ -128,10 +128,11 @@ class Evidence:
             )
         return self._depths[configuration]
 
-    def _plain(self, configuration: Configuration) -> list[Ensemble]:
-        return next(
-            runs.run([configuration], realizations=self.realizations, folder=self.folder, executor=self.executor)
-        )
+    def _plain(self, configuration: Configuration, method: str) -> list[Ensemble]:
+        """By the paper's two methods at once, which share the spectra; another method is asked for by itself."""
+        methods = DEFAULT if method in DEFAULT else (method,)
+        how: dict[str, Any] = {"folder": self.folder, "executor": self.executor}
+        return next(runs.run([configuration], realizations=self.realizations, methods=methods, **how))
 
     def _special(self, configuration: Configuration, setting: Setting) -> list[Ensemble]:
         numbers = range(min(self.realizations, RESAMPLED) if setting.resampled else self.realizations)

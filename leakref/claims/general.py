@@ -70,6 +70,7 @@ _STILL = tuple(c for c in _ALL if not c.speed)
     "abstract",
     "Bias falls with each step of spread 15, 30, 45, 60 (case-theta0-DeltaTheta) and rises with each step of gamma "
     "1, 3.3, 7 (case-gamma), paired; untapered and Hann.",
+    starts=True,
 )
 def _(see: Evidence) -> Iterator[Reading]:
     """Direction and frequency are two parts of one reading: either alone is not what is said."""
@@ -215,6 +216,7 @@ def _(see: Evidence) -> Iterator[Reading]:
     "sec:conclusions",
     "theta0 = 60, spread 15: bias rises with each step L 20, 10, 5 (T = 20) and T 80, 20, 10 (L = 10); and at the "
     "poorest (L = 5; T = 10) it is unusable: above the smaller or larger resolution at most shells.",
+    starts=True,
 )
 def _(see: Evidence) -> Iterator[Reading]:
     """The rise is tested between neighbours, that it is unusable at the poorest resolution only."""

@@ -47,6 +47,7 @@ _PARTS = {name.replace(" ", "_"): of for name, of in STATISTICS.items()}
     "sec:peakedness",
     "Spread 15: both rise from gamma 1 to 7, or in each step 1, 3.3, 7, at every |k - 1| > 0.1, paired; untapered "
     "and Hann.",
+    starts=True,
 )
 def _(see: Evidence) -> Iterator[Reading]:
     """The paper shows three values of gamma and speaks of a larger one: from the least to the largest, or by steps."""

@@ -39,7 +39,7 @@ _VERDICTS: dict[Answer, str] = {True: REPRODUCED, False: NOT_REPRODUCED, None: O
 class _Shown:
     """The evidence as the paper's figures show it: nothing below the `smallest` wavenumber."""
 
-    def __init__(self, evidence: Evidence, smallest: float) -> None:
+    def __init__(self, evidence: Evidence | _Started, smallest: float) -> None:
         self._evidence, self._smallest, self.cut = evidence, smallest, False
 
     def __call__(self, configuration: Any, window: str, method: str = "nsp", setting: Setting = PLAIN) -> Ensemble:
@@ -52,13 +52,27 @@ class _Shown:
         return getattr(self._evidence, name)
 
 
+class _Started:
+    """The evidence with NSP from the best point of a lattice, as the co-author's code has it, in place of rest."""
+
+    def __init__(self, evidence: Evidence) -> None:
+        self._evidence = evidence
+
+    def __call__(self, configuration: Any, window: str, method: str = "nsp", setting: Setting = PLAIN) -> Ensemble:
+        return self._evidence(configuration, window, "nsp-grid" if method == "nsp" else method, setting)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._evidence, name)
+
+
 @dataclass(frozen=True)
 class Claim:
     """A statement of the paper: its `words` in short, the `label` where it stands, how it is tested.
 
     - `id`: a letter for the group and a number; `label`: the section, figure or abstract of the paper.
     - `test`: how it is tested, in words; `predicate`: takes the Evidence and yields the readings.
-    - `smallest`: the least wavenumber of the nearest reading, in k0.
+    - `smallest`: the least wavenumber of the nearest reading, in k0; `starts`: whether it is read a second time with
+      NSP from the best point of a lattice (D6), since in narrow untapered seas the start decides where NSP ends.
     """
 
     id: str
@@ -67,18 +81,22 @@ class Claim:
     test: str
     predicate: Predicate
     smallest: float = SMALLEST
+    starts: bool = False
 
     def judge(self, evidence: Evidence) -> Finding:
         """Evaluate it, on the ensembles it asks for. Ensembles that are not there are computed now, which may take
-        long. The readings with all shells follow those from k = 0.5 on.
+        long. The readings with all shells follow those from k = 0.5 on, those from a lattice come last.
         """
         see = _Shown(evidence, self.smallest)
         found = list(self.predicate(see))
+        chosen = {"shells": f"from {self.smallest:g}"} if see.cut else {}
+        read = [({**chosen, "start (D6)": "rest"} if self.starts else chosen, found)]
         if see.cut:
-            whole = list(self.predicate(evidence))
-            named = ((f"from {self.smallest:g}", found), ("all", whole))
-            found = [replace(r, choices={**r.choices, "shells": words}) for words, some in named for r in some]
-        return Finding(self, tuple(found))
+            read += [({**read[0][0], "shells": "all"}, list(self.predicate(evidence)))]
+        if self.starts:
+            lattice = list(self.predicate(_Shown(_Started(evidence), self.smallest)))
+            read += [({**chosen, "start (D6)": "best of a lattice"}, lattice)]
+        return Finding(self, tuple(replace(r, choices={**r.choices, **c}) for c, some in read for r in some))
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,16 +195,19 @@ CLAIMS: dict[str, Claim] = {}
 """Every claim by its id, as their modules are imported."""
 
 
-def claim(id: str, words: str, label: str, test: str, smallest: float = SMALLEST) -> Callable[[Predicate], Predicate]:
+def claim(
+    id: str, words: str, label: str, test: str, smallest: float = SMALLEST, starts: bool = False
+) -> Callable[[Predicate], Predicate]:
     """Register the function below as the predicate of a claim.
 
     `words` are the statement in short, `label` where it stands; `smallest` is the least wavenumber of the nearest
-    reading. Two claims of one id are a fault of ours, an assertion.
+    reading; `starts` asks for readings with NSP from a lattice as well. Two claims of one id are a fault of ours, an
+    assertion.
     """
 
     def register(predicate: Predicate) -> Predicate:
         assert id not in CLAIMS, id
-        CLAIMS[id] = Claim(id, words, label, test, predicate, smallest)
+        CLAIMS[id] = Claim(id, words, label, test, predicate, smallest, starts)
         return predicate
 
     return register

@@ -176,18 +176,21 @@ def _shell(
     """
     water = cube.water
 
-    def at(k: FloatArray) -> list[float | None]:
-        own = found
+    def at(k: FloatArray) -> FloatArray:
         if request.window == "box" or k is not found.wavenumbers:
-            own = analyse(smooth, k, water=water, method=request.method, search=False)
-        return contrast.contrasts(smooth, k, own.velocities, water)
+            return analyse(smooth, k, water=water, method=request.method, search=False).velocities
+        return found.velocities
 
-    here = at(found.wavenumbers)
+    fitted = at(found.wavenumbers)
+    here = contrast.contrasts(smooth, found.wavenumbers, fitted, water)
     if with_signal is None:
         return here, None
-    some = with_signal[:: max(1, -(-with_signal.size // _LOOKED_AT))]
-    there = here if request.wavenumbers is None else at(some) if some.size else []
+    some = found.wavenumbers
+    if request.wavenumbers is not None:
+        some = with_signal[:: max(1, -(-with_signal.size // _LOOKED_AT))]
+        fitted = at(some) if some.size else np.empty((0, 2))
     band = contrast.band(smooth, with_signal, water)
+    there = contrast.largest(smooth, some, fitted, band.at(1.0).current, water)
     return here, causes.judge(band, there, cube, None if in_blocks else _other_order(cube))
 
 
