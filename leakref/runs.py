@@ -18,10 +18,10 @@ import logging
 import multiprocessing
 import os
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError, Executor, Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
@@ -89,11 +89,37 @@ def _threads() -> ThreadpoolController:
     return ThreadpoolController()
 
 
-def one_thread() -> AbstractContextManager[object]:
+_ENTERING = threading.Lock()
+_BEFORE: list[dict[str, int]] = []
+"""Of each thread that is within `one_thread`, how many threads the libraries had before the first of them came."""
+
+
+def _set_threads(counts: Mapping[str, int]) -> None:
+    """Of the libraries by file, in the whole process: since threadpoolctl 3.8 who sets one keeps other threads out."""
+    for library in _threads().lib_controllers:
+        free = getattr(library, "clear_controlling_thread", lambda force: None)
+        free(force=True)
+        library.set_num_threads(counts[library.filepath])
+        free(force=True)
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
     """Within it BLAS has one thread: how a product is split among several changes its last bits. With it every result
-    is the same to the last bit on one machine, however many workers there are.
+    is the same to the last bit on one machine, however many workers there are. The limit is one of the process: it is
+    taken back by the last thread to go.
     """
-    return _threads().limit(limits=1)
+    with _ENTERING:
+        now = {library.filepath: library.num_threads for library in _threads().lib_controllers}
+        _BEFORE.append(_BEFORE[0] if _BEFORE else now)
+        _set_threads(dict.fromkeys(now, 1))
+    try:
+        yield
+    finally:
+        with _ENTERING:
+            before = _BEFORE.pop()
+            if not _BEFORE:
+                _set_threads(before)
 
 
 def compute(task: Task) -> Part:

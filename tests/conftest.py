@@ -7,6 +7,7 @@ import subprocess
 
 import numpy as np
 import pytest
+from threadpoolctl import threadpool_limits
 from tools import requires
 
 from leakref import Components, Grid, SeaState, UniformCurrent, leakage
@@ -36,8 +37,12 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_cmdline_main(config: pytest.Config) -> None:
     """All tests take some processes, file by file; tests that are named, benchmarks and debuggers stay in this one.
 
-    One process more than there are cores: a quarter of the time is spent waiting for programs to end.
+    One process more than there are cores: a quarter of the time is spent waiting for programs to end. The linear
+    algebra has one thread in each, and in the programs that they start: more of them wait for each other most of the
+    time, and bits would depend on how many there are.
     """
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    threadpool_limits(int(os.environ["OPENBLAS_NUM_THREADS"]))
     given = config.option
     named = given.file_or_dir or given.keyword or given.markexpr or given.benchmark_only or given.usepdb
     inside = "PYTEST_XDIST_WORKER" in os.environ  # one of them already, which is asked the same

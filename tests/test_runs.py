@@ -5,12 +5,14 @@ import shutil
 import signal
 import subprocess
 import sys
+import threading
 import time
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 
 import distributed
 import numpy as np
 import pytest
+from threadpoolctl import threadpool_info
 
 from leakref import LeakrefError, kept, runs
 from leakref._base import Trouble
@@ -280,3 +282,31 @@ def _is_running(pid):
     except ProcessLookupError:
         return False
     return True
+
+
+def test_threads_that_overlap_share_one_limit_and_leave_none_behind():
+    """One comes first and goes first, while the other is still at work: products have one thread for both."""
+    turns = [threading.Event() for _ in range(3)]
+    seen = {}
+
+    def threads():
+        return {pool["num_threads"] for pool in threadpool_info() if pool["user_api"] == "blas"}
+
+    def first():
+        with runs.one_thread():
+            turns[0].set()
+            assert turns[1].wait(30)
+        seen["the other is within"] = threads()
+        turns[2].set()
+
+    runs._set_threads({pool["filepath"]: 2 for pool in threadpool_info()})
+    other = threading.Thread(target=first)
+    other.start()
+    assert turns[0].wait(30)
+    with runs.one_thread():
+        turns[1].set()
+        assert turns[2].wait(30)
+    other.join()
+    seen["after"] = threads()
+    runs._set_threads({pool["filepath"]: 1 for pool in threadpool_info()})  # as for all tests
+    assert seen == {"the other is within": {1}, "after": {2}}

@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from leakref import ensemble, kept, runs, sources
 from leakref._base import FloatArray, LeakrefError
@@ -281,7 +280,7 @@ def _measured(c: Configuration, methods: tuple[str, ...], work: Path | None, num
     if path and (found := kept.arrays(path, about, velocities=(*shape, 2), notes=shape, softness=shape)):
         return found
     unit = velocity_unit(1.0, c.water, None)
-    with threadpool_limits(limits=1):
+    with runs.one_thread():
         by_name = ensemble.realize(c, number, methods=methods, route="B")
     soft = [
         unit * (softness(method, float(score), hessian, unit) if np.isfinite(score) else 1.0)
@@ -346,7 +345,7 @@ def certified(wanted: Sequence[str], work: Path | None, workers: int) -> Iterato
 
 def _certify(identifiers: Sequence[str], work: Path | None) -> list[dict[str, Any]]:
     """One realisation on one thread, so that the last bits do not depend on the machine's cores."""
-    with threadpool_limits(limits=1):
+    with runs.one_thread():
         return _resumed(identifiers, work, partial(_realizations, identifiers))
 
 
