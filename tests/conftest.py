@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import subprocess
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -29,6 +30,12 @@ LONGEST = ("test_checks", "test_protocol", "test_golden", "test_certify_command"
            "test_properties", "test_real_codes", "test_fast", "test_claims", "test_tracking", "test_guide")  # fmt: skip
 
 
+SLOW = set(Path(__file__).with_name("slow.txt").read_text().splitlines())
+"""Tests that take long and have quicker siblings, by name, with their parameters or without: marked slow."""
+NAMED: set[str] = set()
+"""Those of them that were found."""
+
+
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--slow", action="store_true", help="also run the tests marked slow or night")
 
@@ -48,6 +55,17 @@ def pytest_cmdline_main(config: pytest.Config) -> None:
     inside = "PYTEST_XDIST_WORKER" in os.environ  # one of them already, which is asked the same
     if not (named or inside) and getattr(given, "numprocesses", 0) is None:
         given.numprocesses, given.dist, given.loadscopereorder = min((os.cpu_count() or 1) + 1, 5), "loadfile", False
+
+
+def pytest_itemcollected(item: pytest.Item) -> None:
+    if named := SLOW & {item.nodeid, item.nodeid.partition("[")[0]}:
+        item.add_marker(pytest.mark.slow)
+        NAMED.update(named)
+
+
+def pytest_collection_finish(session: pytest.Session) -> None:
+    if session.config.args_source == pytest.Config.ArgsSource.TESTPATHS and (gone := sorted(SLOW - NAMED)):
+        raise pytest.UsageError(f"tests/slow.txt names tests that are not there: {', '.join(gone)}")
 
 
 @pytest.hookimpl(trylast=True)

@@ -25,8 +25,10 @@ __all__ = ["HELD", "TRENDS", "fourier_in_blocks", "largest_kept", "plane", "rele
 TRENDS = ("none", "mean", "linear")
 """What can be removed before the transform: nothing, the mean, or the plane a + bx x + by y + bt t."""
 _BLOCK = 2**26  # bytes of samples, as float64, held at a time
-HELD = 7 * 2**27
-"""Bytes of what is transformed along two axes, at most: with all else it stays within 2 GB, however large the cube."""
+HELD = 2**29
+"""Bytes of what is transformed along two axes, at most: with the spectrum itself (`measuring.KEPT`) and all else it
+stays within 2 GB, however large the cube.
+"""
 
 
 def _blocks(surface: Any, size: int, what: str) -> Iterator[tuple[int, slice, FloatArray]]:

@@ -26,7 +26,7 @@ from leakref.nsp import WIDTH
 from leakref.shell import shell_at
 from leakref.spectrum import Spectrum
 
-__all__ = ["CONTRAST", "GAIN", "MISPLACED", "NEAR", "SHARE", "SUSPECT", "Band", "Found", "band", "contrasts", "largest"]
+__all__ = ["CONTRAST", "GAIN", "MISPLACED", "NEAR", "SHARE", "SUSPECT", "Band", "Found", "band", "contrasts"]
 
 SHARE = 0.2
 """Of the energy in the band: less than this near the surface is no shell. Seas reach 0.3 to 0.9, still frames 0."""
@@ -76,18 +76,6 @@ def contrasts(spectrum: Spectrum, wavenumbers: FloatArray, velocities: FloatArra
         on, beside = float(counted[near].sum()), float(counted[~near].sum())
         found.append(min(on / beside, 1e6) if beside else 1e6 if on else 0.0)
     return found
-
-
-def largest(
-    spectrum: Spectrum, wavenumbers: FloatArray, velocities: FloatArray, common: FloatArray, water: Water
-) -> list[float | None]:
-    """The larger of the contrasts about what was fitted at each wavenumber (n, 2) and about one `common` current (2,).
-
-    Whether there is a shell is one question, whether a method found it another: NSP may end in another basin.
-    """
-    everywhere = np.broadcast_to(common, velocities.shape)
-    pairs = zip(*(contrasts(spectrum, wavenumbers, c, water) for c in (velocities, everywhere)), strict=True)
-    return [max((c for c in pair if c is not None), default=None) for pair in pairs]
 
 
 @dataclass(frozen=True)

@@ -24,8 +24,8 @@ __all__ = ["IN_MEMORY", "KEPT", "Measured", "Request", "measure", "spectrum_of"]
 
 IN_MEMORY = deferred.IN_MEMORY
 """A memory-mapped cube larger than this many bytes, as float64, is transformed in blocks."""
-KEPT = blocks.HELD
-"""Bytes that the transform of such a cube may take."""
+KEPT = 7 * 2**27
+"""Bytes that the spectrum of such a cube may take."""
 _LOOKED_AT = 5  # wavenumbers at which the contrast is taken where others were asked for
 
 
@@ -176,21 +176,18 @@ def _shell(
     """
     water = cube.water
 
-    def at(k: FloatArray) -> FloatArray:
+    def at(k: FloatArray) -> list[float | None]:
+        own = found
         if request.window == "box" or k is not found.wavenumbers:
-            return analyse(smooth, k, water=water, method=request.method, search=False).velocities
-        return found.velocities
+            own = analyse(smooth, k, water=water, method=request.method, search=False)
+        return contrast.contrasts(smooth, k, own.velocities, water)
 
-    fitted = at(found.wavenumbers)
-    here = contrast.contrasts(smooth, found.wavenumbers, fitted, water)
+    here = at(found.wavenumbers)
     if with_signal is None:
         return here, None
-    some = found.wavenumbers
-    if request.wavenumbers is not None:
-        some = with_signal[:: max(1, -(-with_signal.size // _LOOKED_AT))]
-        fitted = at(some) if some.size else np.empty((0, 2))
+    some = with_signal[:: max(1, -(-with_signal.size // _LOOKED_AT))]
+    there = here if request.wavenumbers is None else at(some) if some.size else []
     band = contrast.band(smooth, with_signal, water)
-    there = contrast.largest(smooth, some, fitted, band.at(1.0).current, water)
     return here, causes.judge(band, there, cube, None if in_blocks else _other_order(cube))
 
 
