@@ -392,7 +392,7 @@ def test_a_raw_surface_that_was_changed_is_seen_and_not_read(harm, both):
         Golden(both).entry("extract-film-hann-nsp")
 
 
-@pytest.mark.slow
+@pytest.mark.night
 def test_changing_any_of_many_numbers_is_seen_and_named(copy):
     assert_seen(FILES, copy, 40)
 

@@ -10,6 +10,8 @@ from leakref.certify.strength.variants import VARIANTS, implementation
 from leakref.certify.subject.inprocess import InProcess
 
 BRIEF = ("y-downwards", "half-space", "single-precision", "band")
+MORE = ("background-removed", "declining", "direction-from", "si", "symmetric-hann")
+"""Of the others those that differ most from each other; a quarter of an hour for all."""
 
 
 def test_there_are_enough_and_each_says_what_it_deserves():
@@ -35,8 +37,10 @@ def test_an_unknown_variant_is_refused():
         implementation("none")
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("identifier", [i for i in VARIANTS if i not in BRIEF])
+@pytest.mark.parametrize(
+    "identifier",
+    [pytest.param(i, marks=pytest.mark.slow if i in MORE else pytest.mark.night) for i in VARIANTS if i not in BRIEF],
+)
 def test_all_the_others_pass_too(identifier):
     assert variant_record(identifier)["wrong"] == {}
 
