@@ -53,6 +53,8 @@ QUICK = {
     "kaiser-2-pi",
     "ls-early-stop",
 }  # nothing to compile
+SOME = {"symmetric-hann", "cut-at-3", "both-halves", "polar-measure"}
+"""A few of those that take long; all of them by night."""
 CASE = "L-T/L=5,T=10"
 ACTS_NOT = {
     "large-simplex",
@@ -95,7 +97,7 @@ def literal(variant, configuration):
 @pytest.mark.parametrize(
     "id",
     [
-        id if id in QUICK else pytest.param(id, marks=pytest.mark.slow)
+        id if id in QUICK else pytest.param(id, marks=pytest.mark.slow if id in SOME else pytest.mark.night)
         for id, variant in VARIANTS.items()
         if not variant.setting.resampled
     ],
@@ -250,8 +252,10 @@ def test_claims_that_turn_are_found_and_others_left_out(tmp_path):
 AS_CODE = [v for v in VARIANTS.values() if v.changes and not {c.module for c in v.changes} <= {"sea", "cases"}]
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("variant", AS_CODE, ids=lambda v: v.id)
+@pytest.mark.parametrize(
+    "variant",
+    [pytest.param(v, marks=pytest.mark.slow if v.id in SOME else pytest.mark.night, id=v.id) for v in AS_CODE],
+)
 def test_another_right_choice_is_never_rejected_and_a_slip_is(variant):
     """As the chain of somebody who has decided otherwise; what only conformance sees leaves it sound."""
     code = InProcess(Named(altered(variant.changes).chain.reference, variant.id))
