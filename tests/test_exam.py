@@ -169,9 +169,14 @@ def test_each_cube_is_stored_once_and_the_folder_is_small(written):
 EVERY = {stage: {} for stage in ("window", "synthesize", "spectrum", "extract")}
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("water", [(), ("depth",), ("surface_tension",), ("depth", "surface_tension")])
-@pytest.mark.parametrize("windows", [[], ["box", "hann"]])
+@pytest.mark.parametrize(
+    ("windows", "water"),
+    [
+        pytest.param(w, fixed, marks=pytest.mark.slow if len(w) + len(fixed) == 1 else pytest.mark.night)
+        for w in ([], ["box", "hann"])
+        for fixed in ((), ("depth",), ("surface_tension",), ("depth", "surface_tension"))
+    ],
+)
 @pytest.mark.parametrize("methods", [["nsp", "ls"], []], ids=["named", "unnamed"])
 def test_the_quick_examination_is_small_whatever_is_declared(water, windows, methods):
     total = []
