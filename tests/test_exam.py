@@ -349,9 +349,12 @@ def test_what_is_asked_of_everybody_is_there_and_what_follows_as_far_as_there_is
     assert {one.checks[0] for one in least} >= {f"{check.id}[{case.id}]" for check, case in few}
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS, ids=str)
-@pytest.mark.parametrize("how", ["reference", "swapped", "null", "random"])
+@pytest.mark.parametrize(
+    "how",
+    [pytest.param(how, marks=pytest.mark.slow) for how in ("reference", "swapped")]
+    + [pytest.param(how, marks=pytest.mark.night) for how in ("null", "random")],
+)
 def test_nothing_is_asked_that_was_not_foreseen(kind, how):
     """Whatever a code answers, every question that certify puts to it was in the examination."""
     from leakref.certify.subject.frames import Subject
