@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import subprocess
+import time
 from pathlib import Path
 
 import numpy as np
@@ -32,11 +33,13 @@ LONGEST = ("test_checks", "test_protocol", "test_golden", "test_certify_command"
 
 SLOW = set(Path(__file__).with_name("slow.txt").read_text().splitlines())
 """Tests that take long and have quicker siblings, by name, with their parameters or without: marked slow."""
+BEGUN = time.monotonic()
 NAMED: set[str] = set()
 """Those of them that were found."""
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--within", type=float, help="minutes, after which no other test is begun: the rest is skipped")
     parser.addoption("--slow", action="store_true", help="also run the tests marked slow or night")
 
 
@@ -55,6 +58,13 @@ def pytest_cmdline_main(config: pytest.Config) -> None:
     inside = "PYTEST_XDIST_WORKER" in os.environ  # one of them already, which is asked the same
     if not (named or inside) and getattr(given, "numprocesses", 0) is None:
         given.numprocesses, given.dist, given.loadscopereorder = min((os.cpu_count() or 1) + 1, 5), "loadfile", False
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    within = item.config.getoption("--within")
+    if within is not None and time.monotonic() - BEGUN > 60 * within:
+        pytest.skip("left for another time: --within")
 
 
 def pytest_itemcollected(item: pytest.Item) -> None:
