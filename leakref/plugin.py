@@ -91,7 +91,7 @@ class Judged:
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         """Count what says something of the implementation: an expected failure does, a skipped test does not."""
-        said = report.outcome != "skipped" or hasattr(report, "wasxfail")
+        said = report.outcome != "skipped" or hasattr(report, "wasxfail")  # pytest calls an expected failure skipped
         if report.when == "call" and MARK in report.keywords and said:
             self.count += 1
 

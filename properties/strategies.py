@@ -43,7 +43,8 @@ _COMMON: dict[str, Any] = {
     "deadline": None,
     "print_blob": True,
     "report_multiple_bugs": False,
-    # an example is a whole extraction, by a program perhaps, and one that declines a wavenumber drops the example
+    # an example is a whole extraction, by a program perhaps, and one that declines a wavenumber drops the example:
+    # to be slow, or to drop many, is no fault of the implementation
     "suppress_health_check": [HealthCheck.too_slow, HealthCheck.filter_too_much],
 }
 for _module in walk_packages(leakref.__path__, "leakref."):

@@ -428,6 +428,7 @@ WORLDS = {
     "revealing": MadeUp(c0(lambda c, w, s, k: 0.1 / k**2, lambda c, k: 90 + 6 * c.rotation)),
     "hiding": MadeUp(c0(lambda c, w, s, k: 0.1 / k**2 + 0.05 * k**2 * (c.rotation != 0))),
     "sheared": MadeUp(c0(lambda c, w, s, k: np.where(k < 1, 0.3, 0.0))),
+    "nsp alone": MadeUp(lambda c, w, m, s, k, small, large: ((2 if m == "nsp" else 1) * small, 0.01 * small, 90.0)),
     "polar": MadeUp(
         lambda c, w, method, s, k, small, large: (
             (0.5 if method == "pcs" and ((c.direction, c.spread) == (60, 15) or c.speed == 0.15) else 1.0) * small,
@@ -510,7 +511,7 @@ FLIPS = {
     "G7": ("revealing", "hiding"),
     "G8": ("sheared", "nothing"),
     "M1": ("polar", "nothing"),
-    "M2": ("nothing", "nsp better"),
+    "M2": ("nothing", "nsp alone"),
     "M3": ("ls better", "nothing"),
     "B1": ("everything", "nothing"),
 }

@@ -160,15 +160,16 @@ def bias(e: Ensemble) -> Sample:
 
 
 def deviation(sample: Sample) -> Sample:
-    """Its mean is the standard deviation s of `sample` (n - 1): s + ((x - mean)^2 n / (n - 1) - s^2) / 2 s, by which
-    the error of s, and of differences between paired ones, is that of a mean. Values are the influence of each
-    realisation on s.
+    """Its mean is the standard deviation s of `sample` (n - 1); its values are the jackknife's, n s - (n - 1) s_i with
+    s_i that of all but the i-th, moved so that s is their mean. By them the error of s, and of differences between
+    paired ones, is that of a mean, also where few realisations make up most of s: to first order in them alone, what
+    is far out would count for less than it does. Of two realisations nothing is known.
     """
-    count = sample.count
-    s = sample.error * np.sqrt(count)
-    square = (sample.values - sample.mean) ** 2 * count / np.maximum(count - 1, 1)
-    influence = np.where(s > 0, (square - s**2) / (2 * np.where(s > 0, s, 1)), 0)
-    return replace(sample, values=np.where(np.isfinite(sample.values), s + influence, np.nan))
+    n, square = sample.count, sample.count * sample.error**2
+    with np.errstate(divide="ignore", invalid="ignore"):
+        without = ((n - 1) * square - (sample.values - sample.mean) ** 2 * n / (n - 1)) / (n - 2)
+    values = np.asarray(-(n - 1) * np.sqrt(np.maximum(without, 0)), dtype=np.float64)
+    return replace(sample, values=np.sqrt(square) + values - mean_of_known(values))
 
 
 def random(e: Ensemble) -> Sample:
