@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pytest
 
-from leakref import LeakrefError
+from leakref import LeakrefError, runs
 from leakref.cases import PAPER_CASES, Configuration
 from leakref.claims import CLAIMS, EXTRA, Evidence, command, samples, select, words
 from leakref.claims.evidence import PLAIN, Setting
@@ -163,6 +163,25 @@ def test_the_error_of_a_standard_deviation_is_that_found_by_repeating():
     ]
     found = np.std([r.mean[0] for r in repeats])
     assert np.mean([r.error[0] for r in repeats]) == pytest.approx(found, rel=0.15)
+
+
+def test_the_error_of_a_standard_deviation_holds_where_a_few_realisations_make_up_most_of_it():
+    """Of two deviations of one law, one value of fifty ten times as large: beyond two errors in 5 % of all, not 8."""
+    rng = np.random.default_rng(5)
+    drawn = (rng.normal(size=(100, 2000)) * np.where(rng.random((100, 2000)) < 0.02, 10, 1) for _ in range(2))
+    one, other = (samples.deviation(samples.Sample(np.arange(2000.0), values)) for values in drawn)
+    difference = one - other
+    assert np.mean(np.abs(difference.mean) > 2 * difference.error) < 0.06
+
+
+def test_a_standard_deviation_has_the_values_of_the_jackknife():
+    x = np.array([[1.0], [2.0], [4.0], [7.0], [np.nan], [30.0]])
+    known = x[np.isfinite(x)]
+    without = [np.std(np.delete(known, i), ddof=1) for i in range(5)]
+    found = samples.deviation(samples.Sample(np.ones(1), x))
+    assert found.mean == pytest.approx(np.std(known, ddof=1))
+    assert found.error == pytest.approx(np.sqrt(4 / 5 * np.sum((without - np.mean(without)) ** 2)))
+    assert np.isnan(samples.deviation(samples.Sample(np.ones(1), x[:2])).error).all()
 
 
 def test_ratio_has_the_error_of_a_ratio():
@@ -633,6 +652,16 @@ def test_evaluation_keeps_what_it_computes(tmp_path, monkeypatch):
     monkeypatch.setattr("leakref.claims.evidence._computed", None)  # a second time nothing is computed
     again = Evidence(3, tmp_path)
     np.testing.assert_array_equal(again(small, "hann", "ls", Setting(threshold=0.04)).velocities, other.velocities)
+
+
+def test_another_method_is_asked_for_by_itself(tmp_path):
+    small = Configuration("small", direction=60, spread=45, length=2, duration=4)
+    evidence = Evidence(2, tmp_path)
+    (found,) = (e for e in next(runs.run([small], realizations=2, methods=("pcs",))) if e.window == "hann")
+    asked = evidence(small, "hann", "pcs")
+    assert (asked.method, found.method) == ("pcs", "pcs")
+    assert np.array_equal(asked.velocities, found.velocities, equal_nan=True)
+    assert not np.array_equal(asked.velocities, evidence(small, "hann").velocities, equal_nan=True)
 
 
 def test_a_sea_without_its_peak_and_other_widths_are_other_results():

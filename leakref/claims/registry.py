@@ -226,6 +226,8 @@ def select(ids: Sequence[str]) -> list[Claim]:
     for name in ids or sorted(CLAIMS, key=position):
         matching = {key: CLAIMS[key] for key in sorted(CLAIMS, key=position) if name.upper() in (key, key[0])}
         if not matching:
-            raise LeakrefError("claims", f"no claim is called {name!r}", f"choose from {', '.join(CLAIMS)}")
+            raise LeakrefError(
+                "claims", f"no claim is called {name!r}", f"choose from {', '.join(sorted(CLAIMS, key=position))}"
+            )
         found |= matching
     return list(found.values())
