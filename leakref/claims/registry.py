@@ -37,29 +37,18 @@ _VERDICTS: dict[Answer, str] = {True: REPRODUCED, False: NOT_REPRODUCED, None: O
 
 
 class _Shown:
-    """The evidence as the paper's figures show it: nothing below the `smallest` wavenumber."""
+    """The evidence as the paper's figures show it: nothing below the `smallest` wavenumber. Where NSP is asked for it
+    is the method `nsp`, which is itself unless another start is to be tried.
+    """
 
-    def __init__(self, evidence: Evidence | _Started, smallest: float) -> None:
-        self._evidence, self._smallest, self.cut = evidence, smallest, False
+    def __init__(self, evidence: Evidence, smallest: float, nsp: str = "nsp") -> None:
+        self._evidence, self._smallest, self._nsp, self.cut = evidence, smallest, nsp, False
 
     def __call__(self, configuration: Any, window: str, method: str = "nsp", setting: Setting = PLAIN) -> Ensemble:
-        e = self._evidence(configuration, window, method, setting)
+        e = self._evidence(configuration, window, self._nsp if method == "nsp" else method, setting)
         shown = e.wavenumbers >= self._smallest - 1e-9
         self.cut |= not shown.all()
         return replace(e, wavenumbers=e.wavenumbers[shown], velocities=e.velocities[:, shown], notes=e.notes[:, shown])
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._evidence, name)
-
-
-class _Started:
-    """The evidence with NSP from the best point of a lattice, as the co-author's code has it, in place of rest."""
-
-    def __init__(self, evidence: Evidence) -> None:
-        self._evidence = evidence
-
-    def __call__(self, configuration: Any, window: str, method: str = "nsp", setting: Setting = PLAIN) -> Ensemble:
-        return self._evidence(configuration, window, "nsp-grid" if method == "nsp" else method, setting)
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._evidence, name)
@@ -94,7 +83,7 @@ class Claim:
         if see.cut:
             read += [({**read[0][0], "shells": "all"}, list(self.predicate(evidence)))]
         if self.starts:
-            lattice = list(self.predicate(_Shown(_Started(evidence), self.smallest)))
+            lattice = list(self.predicate(_Shown(evidence, self.smallest, "nsp-grid")))
             read += [({**chosen, "start (D6)": "best of a lattice"}, lattice)]
         return Finding(self, tuple(replace(r, choices={**r.choices, **c}) for c, some in read for r in some))
 
