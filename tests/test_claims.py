@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from leakref.claims import CLAIMS, EXTRA, Evidence, command, samples, select, wo
 from leakref.claims.evidence import PLAIN, Setting
 from leakref.claims.samples import Sample
 from leakref.claims.stored import by_line, stored_claim, stored_claims
+from leakref.claims.summary import SENTENCES, summary
 from leakref.ensemble import Ensemble
 from leakref.golden.same import alike
 from leakref.paper.inferred import CURRENTS, WAVENUMBERS, Depths
@@ -685,6 +687,23 @@ def test_timings_are_of_every_step():
     seconds = Evidence(2).seconds(small)
     assert set(seconds) == {"transform", "shells", "nsp", "ls", "ls by Nelder-Mead"}
     assert min(seconds.values()) > 0
+
+
+def test_ten_sentences_say_what_the_verdicts_say():
+    assert len(SENTENCES) == 10
+    assert summary([]) == []
+    counts = {"shown": 3, "of": 5, "contradicted": 1}
+    places = {"shells": "at 3 of 5 shells, the opposite at 1", "seas": "in 3 of 5 seas, the opposite in 1"}
+    for id, (holds, fails, counted) in SENTENCES.items():
+        finding = CLAIMS[id].judge(WORLDS["nothing"])
+        for answer, start in ((True, holds), (False, fails), (None, f"whether {holds} is left open")):
+            of_parts = replace(finding.nearest, holds=answer, figure={"one part": counts, "other": {}})
+            (row,) = summary([replace(finding, readings=(of_parts,))])
+            ending = f" (what the paper says holds {places[counted]})" if counted else ""
+            assert row == {"words": f"{start[0].upper()}{start[1:]}{ending}.", "ids": [id]}
+        everywhere = replace(finding.nearest, figure={**counts, "shown": 5})
+        (row,) = summary([replace(finding, readings=(everywhere,))])
+        assert row["words"].endswith(f" all 5 {counted})." if counted else ".")
 
 
 def test_command_prints_writes_and_draws(tmp_path, capsys):
