@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import time
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -31,11 +32,18 @@ LONGEST = ("test_checks", "test_protocol", "test_golden", "test_certify_command"
            "test_properties", "test_real_codes", "test_fast", "test_claims", "test_tracking", "test_guide")  # fmt: skip
 
 
-SLOW = set(Path(__file__).with_name("slow.txt").read_text().splitlines())
-"""Tests that take long and have quicker siblings, by name, with their parameters or without: marked slow."""
+def _slow(line: str) -> tuple[str, int]:
+    name, _, share = line.partition(" one of ")
+    return name, int(share or 0)
+
+
+SLOW = dict(map(_slow, Path(__file__).with_name("slow.txt").read_text().splitlines()))
+"""Tests that take long and have quicker siblings, by name, with their parameters or without: marked slow. Where the
+line ends in `one of 4` one in four of the parameters is not.
+"""
 BEGUN = time.monotonic()
-NAMED: set[str] = set()
-"""Those of them that were found."""
+NAMED: Counter[str] = Counter()
+"""Those of them that were found, and how many of each."""
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -68,13 +76,15 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
 
 
 def pytest_itemcollected(item: pytest.Item) -> None:
-    if named := SLOW & {item.nodeid, item.nodeid.partition("[")[0]}:
-        item.add_marker(pytest.mark.slow)
-        NAMED.update(named)
+    for name in SLOW.keys() & {item.nodeid, item.nodeid.partition("[")[0]}:
+        if not SLOW[name] or NAMED[name] % SLOW[name]:
+            item.add_marker(pytest.mark.slow)
+        NAMED[name] += 1
 
 
 def pytest_collection_finish(session: pytest.Session) -> None:
-    if session.config.args_source == pytest.Config.ArgsSource.TESTPATHS and (gone := sorted(SLOW - NAMED)):
+    gone = sorted(SLOW.keys() - NAMED.keys())
+    if gone and session.config.args_source == pytest.Config.ArgsSource.TESTPATHS:
         raise pytest.UsageError(f"tests/slow.txt names tests that are not there: {', '.join(gone)}")
 
 
@@ -82,7 +92,9 @@ def pytest_collection_finish(session: pytest.Session) -> None:
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     rank = {name: n for n, name in enumerate(LONGEST)}
     items.sort(key=lambda item: rank.get(item.path.stem, len(rank)))
-    if not config.getoption("--slow"):
+    if config.getoption("--slow"):  # where time runs out, it is not those whose siblings run every day
+        items.sort(key=lambda item: SLOW.keys().isdisjoint({item.nodeid, item.nodeid.partition("[")[0]}))
+    else:
         for item in items:
             if not {"slow", "night"}.isdisjoint(item.keywords):
                 item.add_marker(pytest.mark.skip(reason="slow: run with --slow"))

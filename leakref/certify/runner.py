@@ -216,9 +216,9 @@ def select(
     ]
 
     def matches(pattern: str, identifier: str, c: Check) -> bool:
-        return pattern in (identifier, c.id, c.family) or any(
-            fnmatchcase(name, pattern.replace("[", "[[]")) for name in (identifier, c.id)
-        )
+        if not {"*", "?"}.intersection(pattern):
+            return pattern in (identifier, c.id, c.family)
+        return any(fnmatchcase(name, pattern.replace("[", "[[]")) for name in (identifier, c.id))
 
     for pattern in patterns:
         if not any(matches(pattern, identifier, c) for identifier, c, _ in found):
