@@ -636,6 +636,34 @@ def test_what_the_sampling_error_leaves_open_is_said():
 # ---- as a command
 
 
+def test_what_would_decide_an_open_verdict_is_said():
+    """Two standard errors fall with the root of the number: 0.5 of them take four times as many to be two."""
+
+    def found(*means, missing=()):
+        values = np.tile(np.asarray(means) * 0.1, (8, 1)) + 0.1 * np.sqrt(8) * PATTERN[:, None]
+        values[:, list(missing)] = np.nan
+        tally = words.above(Sample(np.arange(1.0, len(means) + 1), values))
+        (reading,) = words.every({}, part=tally)
+        return replace(CLAIMS["A2"].judge(WORLDS["paper"]), readings=(reading,))
+
+    def many(times, where):
+        return f"{times} times as many realisations (at {where}), if the means stay what they are"
+
+    assert found(9.0, 8.0).would_decide == found(9.0, -8.0).would_decide == ""
+    assert found(9.0, 1.0).would_decide == many(4, "1 of 2")
+    assert found(9.0, 1.0, 0.5).would_decide == many(16, "2 of 3")
+    assert found(9.0, 1.0, 0.1).would_decide == "more than " + many(100, "1 of 3")
+    assert found(9.0, -1.0).would_decide == many(5, "1 of 2")  # of a family of two: 2.24 standard errors
+    nowhere = "numbers where most realisations have none (at 1 of 2)"
+    assert found(9.0, 1.0, missing=[1]).would_decide == f"{nowhere}, if the means stay what they are"
+    told, left = (found(mean).nearest.tallies["part"] for mean in (9.0, 1.0))
+    parts = {"parts": {"of_this": True, "of_that": None}, "tallies": {"of_this": told, "of_that": left}}
+    assert replace(found(1.0), readings=(replace(found(1.0).nearest, **parts),)).would_decide == many(4, "1 of 1")
+    parts = {"parts": dict.fromkeys(("of_this", "of_that")), "tallies": {"of_this": left, "of_that": left}}
+    both = replace(found(1.0), readings=(replace(found(1.0).nearest, **parts),)).would_decide
+    assert both == f"of this: {many(4, '1 of 1')}; of that: {many(4, '1 of 1')}"
+
+
 def test_the_record_is_json_and_says_how_it_was_tested():
     record = json.loads(json.dumps(CLAIMS["A4"].judge(WORLDS["paper"]).record()))
     assert {"id", "verdict", "robust", "parts", "figure", "where", "words", "label", "test", "readings"} <= set(record)

@@ -140,6 +140,8 @@ def _behind(finding: Finding, every: bool) -> Iterator[Table | str]:
         for line in finding.where:
             where.add_row(*(line.get(name, "") for name in ("part", "sea", "shown", "contradicted", "open")))
         yield where
+    if finding.would_decide:
+        yield f"What would decide it: {finding.would_decide}."
     others = finding.readings[1:]
     if others and not every:
         counts = [

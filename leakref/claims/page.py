@@ -75,6 +75,7 @@ def _row(finding: Finding) -> Mapping[str, Any]:
         "kind": {"reproduced": "conformant", "not reproduced": "rejected"}.get(finding.verdict, "unjudged"),
         "robust": finding.robust,
         "turns": finding.depends_on,
+        "would_decide": finding.would_decide,
         "parts": finding.parts,
         "reading": finding.nearest.words,
         "figure": _figures(finding.nearest.figure),

@@ -33,6 +33,7 @@ REPRODUCED, NOT_REPRODUCED, OPEN = "reproduced", "not reproduced", "open"
 Predicate = Callable[[Any], Iterable[Reading]]
 SMALLEST = 0.5
 """Smallest wavenumber that the paper's figures show, in k0."""
+_MANY = 100
 _VERDICTS: dict[Answer, str] = {True: REPRODUCED, False: NOT_REPRODUCED, None: OPEN}
 
 
@@ -134,6 +135,15 @@ class Finding:
         return found + ["the sampling error"] * any(reading.holds is None for reading in self.readings)
 
     @property
+    def would_decide(self) -> str:
+        """Of an open verdict, part by part: how much is open, and how many more realisations would tell. Else empty."""
+        if self.verdict != OPEN:
+            return ""
+        parts = [name for name in self.nearest.tallies if self.nearest.parts.get(name) is None]
+        said = [(name.replace("_", " "), _would_decide(self.nearest.tallies[name])) for name in parts]
+        return "; ".join(words if len(said) == 1 else f"{name}: {words}" for name, words in said)
+
+    @property
     def where(self) -> list[dict[str, str]]:
         """At which wavenumbers, in which seas, each part of the nearest reading is shown, contradicted and open."""
         return [line for part, tally in self.nearest.tallies.items() for line in _where(part.replace("_", " "), tally)]
@@ -148,11 +158,35 @@ class Finding:
             "figure": self.nearest.figure,
             "where": self.where,
             "depends_on": self.depends_on,
+            "would_decide": self.would_decide,
             "words": self.claim.words,
             "label": self.claim.label,
             "test": self.claim.test,
             "readings": [{"reading": r.words, "holds": r.holds, "figure": r.figure} for r in self.readings],
         }
+
+
+def _would_decide(tally: Tally) -> str:
+    """What the comparisons that are open need, and how many they are.
+
+    A comparison is shown at two standard errors, which fall with the root of the number; to contradict *every* takes
+    the family's level.
+    """
+    undecided = ~tally.shown & ~tally.contradicted
+    undecided = undecided if undecided.any() else ~tally.shown
+    margin, error = tally.margin[undecided], tally.error[undecided]
+    seldom = ~np.isfinite(margin + error)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        needed = np.where(margin > 0, 2.0, tally.family_level) * error / np.abs(margin)
+        times = np.where(seldom, 0.0, np.where(error > 0, needed**2, np.inf))
+    late, lacking = int((times > _MANY).sum()), int(seldom.sum())
+    words = [f"numbers where most realisations have none (at {lacking} of {tally.size})"] if lacking else []
+    if late:
+        words += [f"more than {_MANY} times as many realisations (at {late} of {tally.size})"]
+    elif lacking < margin.size:
+        factor = max(1.1, float(f"{times.max():.2g}"))
+        words += [f"{factor:g} times as many realisations (at {margin.size - lacking} of {tally.size})"]
+    return " and ".join(words) + ", if the means stay what they are"
 
 
 def _where(part: str, tally: Tally) -> list[dict[str, str]]:

@@ -79,9 +79,14 @@ class Tally:
         """How many shells."""
         return self.margin.size
 
+    @property
+    def family_level(self) -> float:
+        """Standard errors by which one shell contradicts them all: of the family of all, and of both sides of each."""
+        return float(stats.norm.isf(min(_LEVEL, _FAMILY / (2 * max(self.size, 1)))))
+
     def _refuted(self) -> bool:
-        """At one shell or more, at the level of the family of all of them and of both sides of each."""
-        return bool((self.against[~self.shown] <= min(_LEVEL, _FAMILY / (2 * max(self.size, 1)))).any())
+        """At one shell or more, at the level of the family."""
+        return bool((self.against[~self.shown] <= stats.norm.sf(self.family_level)).any())
 
     @property
     def every(self) -> Answer:
