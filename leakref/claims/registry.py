@@ -34,6 +34,7 @@ Predicate = Callable[[Any], Iterable[Reading]]
 SMALLEST = 0.5
 """Smallest wavenumber that the paper's figures show, in k0."""
 _MANY = 100
+"""Times as many realisations as nobody will make: what they would not tell is said to be beyond that."""
 _VERDICTS: dict[Answer, str] = {True: REPRODUCED, False: NOT_REPRODUCED, None: OPEN}
 
 

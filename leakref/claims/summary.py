@@ -1,4 +1,8 @@
-"""The ledger in ten sentences, each of which follows from the verdict of the statement that it is about."""
+"""The ledger in ten sentences, each of which follows from the verdict of the statement that it is about.
+
+A sentence says what holds, not what the paper says: where the statement is not reproduced it is turned into its
+contrary, and the numbers behind it follow in brackets, so that it can be quoted as it stands. Used by the page.
+"""
 
 from __future__ import annotations
 
@@ -79,6 +83,7 @@ def summary(findings: Sequence[Finding]) -> list[dict[str, Any]]:
 
 
 def _sentence(verdict: str, holds: str, fails: str, counted: str, figure: Any) -> str:
+    """With its numbers, but where a largest value decides: 1 of 1 would say nothing."""
     words = f"whether {holds} is left open" if verdict == OPEN else holds if verdict == REPRODUCED else fails
     numbers = _numbers(figure) if counted else None
     place = f"{'at' if counted == 'shells' else 'in'} {{}} {counted}"
