@@ -721,17 +721,23 @@ def test_ten_sentences_say_what_the_verdicts_say():
     assert len(SENTENCES) == 10
     assert summary([]) == []
     counts = {"shown": 3, "of": 5, "contradicted": 1}
-    places = {"shells": "at 3 of 5 shells, the opposite at 1", "seas": "in 3 of 5 seas, the opposite in 1"}
+    places = {"shells": "so at 3 of 5 shells, the opposite at 1", "seas": "so in 3 of 5 seas, the opposite in 1"}
     for id, (holds, fails, counted) in SENTENCES.items():
         finding = CLAIMS[id].judge(WORLDS["nothing"])
         for answer, start in ((True, holds), (False, fails), (None, f"whether {holds} is left open")):
-            of_parts = replace(finding.nearest, holds=answer, figure={"one part": counts, "other": {}})
-            (row,) = summary([replace(finding, readings=(of_parts,))])
-            ending = f" (what the paper says holds {places[counted]})" if counted else ""
-            assert row == {"words": f"{start[0].upper()}{start[1:]}{ending}.", "ids": [id]}
+            for figure, told in (
+                ({**counts, "besides": 7}, places.get(counted)),
+                (
+                    {"one_part": counts, "other": counts, "besides": 7},
+                    "one part: {0}; other: {0}".format(places.get(counted)),
+                ),
+            ):
+                (row,) = summary([replace(finding, readings=(replace(finding.nearest, holds=answer, figure=figure),))])
+                ending = f" ({told})" if counted else ""
+                assert row == {"words": f"{start[0].upper()}{start[1:]}{ending}.", "ids": [id]}
         everywhere = replace(finding.nearest, figure={**counts, "shown": 5})
         (row,) = summary([replace(finding, readings=(everywhere,))])
-        assert row["words"].endswith(f" all 5 {counted})." if counted else ".")
+        assert row["words"].endswith(f"{'in' if counted == 'seas' else 'at'} all 5 {counted})." if counted else ".")
 
 
 def test_command_prints_writes_and_draws(tmp_path, capsys):

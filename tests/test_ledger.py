@@ -10,10 +10,12 @@ from zlib import crc32
 
 import numpy as np
 import pytest
+from test_claims import Diagonal
 
 from leakref.claims import CLAIMS, Evidence
 from leakref.claims.evidence import PLAIN
 from leakref.ensemble import Ensemble
+from leakref.window import Window
 
 SPLITS = 200
 ALIKE = {"A5": "", "A9": "", "P6": "", "R7": "", "U9": "", "U10": "", "W9": "alike", "M2": ""}
@@ -94,25 +96,31 @@ def the_same(c):
 
 
 class Planted(Evidence):
-    """The evidence under a change: of seas, windows or methods for others, or of the velocities themselves."""
+    """The evidence under a change: of seas, windows or methods for others, of the velocities themselves, of windows'
+    transforms alone (`shape`), of the depths' errors by a factor, or of seconds.
+    """
 
-    def __init__(self, evidence, sea=the_same, window=None, method=None, velocities=lambda e: e.velocities):
+    def __init__(
+        self, evidence, sea=the_same, window=None, method=None, velocities=None, shape=None, depth=1.0, seconds=None
+    ):
         super().__init__(evidence.realizations, evidence.folder, evidence.executor)
         self.evidence, self.sea, self.windows, self.methods = evidence, sea, window or {}, method or {}
-        self.velocities = velocities
+        self.velocities, self.shape, self.depth = velocities or (lambda e: e.velocities), shape or {}, depth
+        self.timed = seconds or {}
 
     def window(self, name):
-        return self.evidence.window(self.windows.get(name, name))
+        other = self.shape.get(name, self.windows.get(name, name))
+        return other if isinstance(other, Window) else self.evidence.window(other)
 
     def seconds(self, c):
         kept = self.evidence.seconds(c)
-        return {**kept, "nsp": kept["ls"], "ls": kept["nsp"]} if self.methods else kept
+        return {name: kept[self.timed.get(name, name)] for name in kept}
 
     def softness(self, c):
         return self.evidence.softness(self.sea(c))
 
     def depths(self, c):
-        return self.evidence.depths(c)
+        return [replace(e, depths=c.depth * (1 + self.depth * e.off)) for e in self.evidence.depths(c)]
 
     def __call__(self, c, window, method="nsp", setting=PLAIN):
         e = self.evidence(self.sea(c), self.windows.get(window, window), self.methods.get(method, method), setting)
@@ -125,11 +133,34 @@ class Planted(Evidence):
 
 
 def scaled(factor):
-    return lambda e: e.configuration.current + factor * (e.velocities - e.configuration.current)
+    """The errors times a factor, a number or one for each shell of an ensemble."""
+
+    def change(e):
+        by = factor(e) * np.ones_like(e.wavenumbers) if callable(factor) else np.full_like(e.wavenumbers, factor)
+        return e.configuration.current + by[:, None] * (e.velocities - e.configuration.current)
+
+    return change
 
 
 def turned_about(e):
     return e.configuration.current - (e.velocities - e.configuration.current)
+
+
+def sure(size):
+    """A tenth of c0 along the current and a hundredth of the errors, both times what `size` says of an ensemble."""
+
+    def change(e):
+        angle = np.radians(e.configuration.current_direction)
+        errors = scaled(0.01)(e) - e.configuration.current + 0.1 * np.array([np.cos(angle), np.sin(angle)])
+        return e.configuration.current + size(e) * errors
+
+    return change
+
+
+def best_of_pcs(e):
+    """The errors of the polar current shell in one sea."""
+    own = e.method == "pcs" and (e.configuration.direction, e.configuration.spread) == (60.0, 15.0)
+    return scaled(0.01 if own else 1.0)(e)
 
 
 PLANTS = {
@@ -139,10 +170,26 @@ PLANTS = {
     "gamma 7 for 1": {"sea": seas(peakedness=swapped(1.0, 7.0))},
     "L 5 for 20": {"sea": seas(length=swapped(5.0, 20.0))},
     "T 10 for 80": {"sea": seas(duration=swapped(10.0, 80.0))},
-    "methods exchanged": {"method": swapped("nsp", "ls")},
+    "T 10 for 5": {"sea": seas(duration={5.0: 10.0})},
+    "no current": {"sea": seas(speed=dict.fromkeys((0.025, 0.075, 0.15), 0.0), current_direction={90: 0.0, -90: 0.0})},
+    "methods exchanged": {"method": swapped("nsp", "ls"), "seconds": swapped("nsp", "ls by Nelder-Mead")},
+    "all methods NSP": {"method": {"pcs": "nsp", "ls-iterative": "nsp"}, "velocities": best_of_pcs},
+    "an adaptive width without errors": {"velocities": scaled(lambda e: 0.01 if e.method == "nsp-adaptive" else 1)},
+    "Hamming's transform for Hann's": {"shape": {"hann": Window("hamming", "Hamming", (0.54, 0.46))}},
+    "leaks along the diagonals": {"shape": {name: Diagonal("diagonal") for name in ("box", "hann")}},
     "errors a tenth": {"velocities": scaled(0.1)},
     "errors ten times": {"velocities": scaled(10.0)},
     "errors turned about": {"velocities": turned_about},
+    "errors fall with the spread": {"velocities": sure(lambda e: 3.0 ** (4 - e.configuration.spread / 15))},
+    "errors grow towards 45 degrees": {"velocities": sure(lambda e: 3.0 ** (6 - e.configuration.direction / 15))},
+    "errors fall with gamma": {"velocities": sure(lambda e: 1 / e.configuration.peakedness)},
+    "errors only below the peak": {"velocities": scaled(lambda e: np.where(e.wavenumbers < 0.89, 10.0, 0.01))},
+    "Hann does nothing below the peak": {
+        "velocities": scaled(lambda e: np.where((e.wavenumbers > 1) == (e.window == "hann"), 0.01, 1.0))
+    },
+    "a tenth of c0 along the current": {"velocities": sure(lambda e: 1.0)},
+    "depths without errors": {"depth": 0.0},
+    "depths off ten times": {"depth": 10.0},
 }
 ABOUT = {
     "Hann for box": ("A2", "G2", "W1"),

@@ -15,6 +15,7 @@ from collections.abc import Iterator
 from itertools import product
 
 from leakref.cases import CASES
+from leakref.claims.configurations import SPEEDS
 from leakref.claims.evidence import PLAIN, Evidence, Setting
 from leakref.claims.registry import claim
 from leakref.claims.samples import ABOVE, BELOW, LEVELS, RESOLUTIONS, STATISTICS, WINDOWS, Band, Sample, random, smaller
@@ -26,10 +27,14 @@ _THRESHOLDS = {"0.2 of P": PLAIN, "0.2 of sqrt P": Setting(threshold=0.2**2)}
 """Readings of the LS threshold, decision D7: both of the largest in the shell."""
 
 
-def _over_limit(e: Ensemble, level: Sample, resolution: str, band: Band) -> Tally:
-    """Where a level is above a resolution, within a band."""
+_CURRENTS = {f"a current of {speed:g}": speed for speed in (SPEEDS[0], SPEEDS[-1])}
+"""What one would measure: a scatter as large as the weakest, or the strongest, of the paper's currents hides it."""
+
+
+def _over_limit(e: Ensemble, level: Sample, limit: str, band: Band) -> Tally:
+    """Where a level is above a limit, the `smaller` or `larger` resolution or a current, within a band."""
     inside = band(e.wavenumbers)
-    return above(level.at(band), RESOLUTIONS[resolution](*e.resolutions)[inside])
+    return above(level.at(band), _CURRENTS.get(limit) or RESOLUTIONS[limit](*e.resolutions)[inside])
 
 
 @claim(
@@ -89,20 +94,21 @@ def _(see: Evidence) -> Iterator[Reading]:
     "N4",
     "for k < 1 the random part makes both unusable",
     "sec:LSvsNSP",
-    "Unusable: one, or two, standard deviations of |c| above the larger or smaller resolution, for NSP and for LS, "
-    "at k < 1; untapered and Hann.",
+    "Unusable: one, or two, standard deviations of |c| above the larger or smaller resolution, or above the weakest or "
+    "strongest current of case-U, for NSP and for LS, at k < 1; untapered and Hann.",
 )
 def _(see: Evidence) -> Iterator[Reading]:
     """Unusable is what cannot be told from nothing: a scatter as large as the resolution itself. Twice the deviation,
     as the figures show it, comes first.
     """
-    for (cut, setting), sd, resolution, window in product(_THRESHOLDS.items(), (2, 1), ("larger", "smaller"), WINDOWS):
+    limits = ("larger", "smaller", *_CURRENTS)
+    for (cut, setting), sd, limit, window in product(_THRESHOLDS.items(), (2, 1), limits, WINDOWS):
         nsp, ls = (
-            _over_limit(e, sd * random(e), resolution, BELOW)
+            _over_limit(e, sd * random(e), limit, BELOW)
             for e in (see(_CASE, window), see(_CASE, window, "ls", setting))
         )
         yield from either(
-            {"threshold (D7)": cut, "level": f"{sd} sd", "resolution": resolution, "window": window}, nsp=nsp, ls=ls
+            {"threshold (D7)": cut, "level": f"{sd} sd", "limit": limit, "window": window}, nsp=nsp, ls=ls
         )
 
 

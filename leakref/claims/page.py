@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from leakref import __version__
 from leakref._output import template, write_whole
 from leakref.claims.pictures import where_figure
-from leakref.claims.registry import Finding
+from leakref.claims.registry import NOT_REPRODUCED, Finding
 from leakref.claims.summary import summary
 
 __all__ = ["SECTIONS", "page", "write_page"]
@@ -51,6 +51,7 @@ def page(findings: Sequence[Finding], realizations: int) -> str:
         sections=[(SECTIONS[label], rows) for label, rows in sections.items() if rows],
         counts=Counter(finding.verdict for finding in findings),
         robust=sum(finding.robust for finding in findings),
+        nearly=sum(finding.verdict == NOT_REPRODUCED and _at_most_shells(finding) for finding in findings),
         summary=summary(findings),
         realizations=realizations,
         version=__version__,
@@ -61,6 +62,20 @@ def write_page(findings: Sequence[Finding], realizations: int, place: Path) -> P
     """Write `claims.html` to the folder `place`; the path is returned."""
     text = page(findings, realizations)
     return write_whole(place / "claims.html", lambda path: path.write_text(text, encoding="utf-8"))
+
+
+def _at_most_shells(finding: Finding) -> bool:
+    """Every part is shown at over half of its shells."""
+    tallies = finding.nearest.tallies.values()
+    return bool(tallies) and all(tally.most for tally in tallies)
+
+
+def _counts(finding: Finding) -> list[str]:
+    """Of each part at how many shells, or seas, it is shown, and at how many contradicted."""
+    return [
+        f"{tally.shown.sum()} of {tally.size}" + (f", {n} against" if (n := int(tally.contradicted.sum())) else "")
+        for tally in finding.nearest.tallies.values()
+    ]
 
 
 def _row(finding: Finding) -> Mapping[str, Any]:
@@ -74,6 +89,7 @@ def _row(finding: Finding) -> Mapping[str, Any]:
         "verdict": finding.verdict,
         "kind": {"reproduced": "conformant", "not reproduced": "rejected"}.get(finding.verdict, "unjudged"),
         "robust": finding.robust,
+        "counts": _counts(finding),
         "turns": finding.depends_on,
         "would_decide": finding.would_decide,
         "parts": finding.parts,
@@ -98,7 +114,11 @@ def _figures(figure: Any, name: str = "") -> list[tuple[str, str]]:
 
 def _counted(figure: Mapping[str, Any]) -> str:
     """Counts of shells in words."""
-    margin = "" if figure["mean_margin"] is None else f"; by {figure['mean_margin']:+.3g} in the mean"
+    margin = (
+        ""
+        if figure["mean_margin"] is None
+        else f"; by {figure['mean_margin']:+.3g} in the mean (c0, degrees, or the ratio that is compared)"
+    )
     return f"{figure['shown']} of {figure['of']} shown, {figure['contradicted']} against{margin}"
 
 

@@ -14,6 +14,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patches import Circle
 from matplotlib.ticker import MaxNLocator
 
 from leakref.claims.registry import Finding
@@ -86,13 +87,14 @@ def where_figure(finding: Finding) -> Figure:
     if not parts:
         return _list(finding)
     by_shell = any(np.ptp(tally.k[own]) > 0 for _, _, tally, own in parts)
-    names = [f"{part}: {sea}" if sea else part for part, sea, _, _ in parts]
+    names = ["\n".join(textwrap.wrap(f"{part}: {sea}" if sea else part, 70)) for part, sea, _, _ in parts]
+    lines = max(name.count("\n") + 1 for name in names)
     with mpl.rc_context({"font.size": 8.6}):
-        drawing, axes = figure(1, 1, width=8.6, height=0.9 + 0.22 * len(parts))
+        drawing, axes = figure(1, 1, width=8.6, height=0.9 + (0.07 + 0.15 * lines) * len(parts))
         ax = axes[0, 0]
         for row, (_, _, tally, own) in enumerate(parts):
             _where_row(ax, row, tally, own, by_shell)
-        ax.set_yticks(range(len(parts)), ["\n".join(textwrap.wrap(name, 70)) for name in names])
+        ax.set_yticks(range(len(parts)), names)
         ax.set_ylim(len(parts) - 0.4, -0.6)
         ax.grid(visible=False, axis="y")
         if by_shell:
@@ -160,7 +162,9 @@ def _list(finding: Finding) -> Figure:
         drawing, axes = figure(
             1, 1 + of_windows, width=9 if of_windows else 6, height=max(2.4, 0.4 + 0.4 * len(finding.readings))
         )
-        if of_windows:
+        if finding.claim.id == "W8":
+            _plane(axes[0, 0])
+        elif of_windows:
             _transforms(axes[0, 0])
         ax = axes[0, -1]
         ax.set_axis_off()
@@ -191,12 +195,30 @@ def _transforms(ax: Any) -> None:
         ax.semilogy(
             v, np.maximum(np.abs(taper.transform(v) / taper.transform(0.0)), 1e-7), color=colour, lw=1, label=name
         )
+        on_bins = np.maximum(np.abs(taper.transform(v[::200]) / taper.transform(0.0)), 1e-7)
+        ax.semilogy(
+            v[::200], on_bins, "o", ms=3, color=colour
+        )  # points: a wave on a bin is seen at whole offsets alone
     for level in (1e-2, 1e-3):
         ax.axhline(level, color="0.5", lw=0.8, ls="--")
     ax.set_ylim(1e-6, 1.5)
     ax.set_xlabel("offset in bins")
     ax.set_ylabel("|transform| / its largest value")
     ax.legend(loc="upper right")
+
+
+def _plane(ax: Any) -> None:
+    """The box in two dimensions, in decibels, with a circle on which the least is looked for."""
+    v = np.linspace(-16, 16, 641)
+    height = np.abs(window("box").transform(v) / window("box").transform(0.0))
+    power = 20 * np.log10(np.maximum(np.outer(height, height), 1e-5))
+    shown = ax.pcolormesh(v, v, power, vmin=-80, vmax=0, cmap="magma", rasterized=True)
+    ax.add_patch(Circle((0, 0), 10, fill=False, color="white", lw=1, ls="--"))
+    ax.grid(visible=False)
+    ax.set_aspect("equal")
+    ax.set_xlabel("offset along x in bins")
+    ax.set_ylabel("offset along y in bins")
+    ax.figure.colorbar(shown, ax=ax, label="box (dB)", shrink=0.8)
 
 
 _LEAST, _TENTH = 1e-8, 0.1  # of the resolution: the left edge, and what counts as an effect

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from leakref._base import FloatArray, IntArray, mean_of_known
+from leakref.cases import Configuration
 from leakref.ensemble import Ensemble
 
 __all__ = [
@@ -123,7 +124,7 @@ class Sample:
         mine, theirs = np.nonzero(np.abs(self.k[:, None] - other.k) < 1e-6)
         rows = min(len(self.values), len(other.values))
         values = self.values[:rows, mine] + other.values[:rows, theirs]
-        return Sample(self.k[mine], values, " | ".join(dict.fromkeys(filter(None, (self.sea, other.sea)))))
+        return Sample(self.k[mine], values, " against ".join(dict.fromkeys(filter(None, (self.sea, other.sea)))))
 
     def __sub__(self, other: Sample) -> Sample:
         return self + -1.0 * other
@@ -144,9 +145,21 @@ class Sample:
         return Sample(np.zeros(1), chosen.values.mean(axis=1, keepdims=True), self.sea)
 
 
+_SENSES = {90.0: "following", 0.0: "crossing", -90.0: "opposing"}
+"""Of a current, in words that need no angle: where it goes to, and how that lies to waves that go to 90 degrees."""
+
+
+def _named(c: Configuration) -> str:
+    """What a sea is called beside others of its case; a current by where it goes to, seen from waves to 90 degrees."""
+    if "speed" not in c.varied or c.current_direction not in _SENSES:
+        return c.id.partition("/")[2].replace("=", " ").replace(",", ", ")
+    current = f"current {c.speed:g} {_SENSES[c.current_direction]}" if c.speed else "still water"
+    return f"{current}, turned by {c.rotation:g}" if c.rotation else current
+
+
 def _of(e: Ensemble, values: FloatArray) -> Sample:
     """Values (R, n) of an ensemble, under the name of its sea."""
-    return Sample(e.wavenumbers, values, e.configuration.id.partition("/")[2].replace("=", " ").replace(",", ", "))
+    return Sample(e.wavenumbers, values, _named(e.configuration))
 
 
 def total(samples: list[Sample]) -> Sample:

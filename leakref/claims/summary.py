@@ -33,13 +33,13 @@ SENTENCES = {
         "shells",
     ),
     "A6": (
-        "around the peak spurious currents are negligible in every sea",
-        "around the peak spurious currents are not negligible in every sea",
+        "around the peak the mean spurious current is negligible in every still sea",
+        "around the peak the mean spurious current is not negligible in every still sea",
         "shells",
     ),
     "A2": (
-        "untapered, waves along an axis seem to run against a current at every wavenumber above the peak",
-        "untapered, waves along an axis do not seem to run against a current at every wavenumber above the peak",
+        "untapered, narrow waves along an axis seem to run against a current at every wavenumber above the peak",
+        "untapered, narrow waves along an axis do not seem to run against a current at every wavenumber above the peak",
         "shells",
     ),
     "A16": (
@@ -48,23 +48,23 @@ SENTENCES = {
         "shells",
     ),
     "G1": (
-        "the narrower the spectrum, in direction or in frequency, the larger are the errors at every wavenumber",
-        "a narrower spectrum, in direction or in frequency, does not mean larger errors at every wavenumber",
+        "untapered, the narrower the spectrum, the larger are the errors at every wavenumber",
+        "untapered, a narrower spectrum does not mean larger errors at every wavenumber",
         "shells",
     ),
     "R6": (
-        "a larger area helps more than a longer video at every wavenumber",
-        "a larger area does not help more than a longer video at every wavenumber",
+        "under a Hann window a larger area helps more than a longer video at every wavenumber",
+        "under a Hann window a larger area does not help more than a longer video at every wavenumber",
         "shells",
     ),
     "U2": (
-        "a current leaves the size of the errors what it is in still water",
-        "a current does not leave the size of the errors what it is in still water",
+        "untapered, a current leaves the size of the errors what it is in still water, at every wavenumber",
+        "untapered, a current does not leave the size of the errors what it is in still water, at every wavenumber",
         "shells",
     ),
     "N5": (
-        "least squares are nowhere better than the normalized scalar product, for practical purposes",
-        "least squares are not worse everywhere than the normalized scalar product",
+        "in untapered videos least squares are nowhere better than the normalized scalar product",
+        "in untapered videos least squares are not worse everywhere than the normalized scalar product",
         "shells",
     ),
 }
@@ -85,20 +85,18 @@ def summary(findings: Sequence[Finding]) -> list[dict[str, Any]]:
 def _sentence(verdict: str, holds: str, fails: str, counted: str, figure: Any) -> str:
     """With its numbers, but where a largest value decides: 1 of 1 would say nothing."""
     words = f"whether {holds} is left open" if verdict == OPEN else holds if verdict == REPRODUCED else fails
-    numbers = _numbers(figure) if counted else None
-    place = f"{'at' if counted == 'shells' else 'in'} {{}} {counted}"
-    if numbers is None:
-        evidence = ""
-    elif numbers["shown"] == numbers["of"]:
-        evidence = f" ({place.format('all {of}'.format(**numbers))})"
-    else:
-        there = place.format("{shown} of {of}".format(**numbers))
-        evidence = f" (what the paper says holds {there}, the opposite {place.split()[0]} {numbers['contradicted']})"
-    return words[0].upper() + words[1:] + evidence + "."
+    parts = (
+        {"": figure} if "of" in figure else {name: part for name, part in figure.items() if isinstance(part, Mapping)}
+    )
+    told = "; ".join(
+        f"{name.replace('_', ' ')}: " * (len(parts) > 1) + _told(part, counted) for name, part in parts.items()
+    )
+    return words[0].upper() + words[1:] + (f" ({told})" if counted else "") + "."
 
 
-def _numbers(figure: Any) -> Mapping[str, int] | None:
-    """At how many it is shown and contradicted; of a statement of parts, those of the first."""
-    if not isinstance(figure, Mapping) or {"shown", "of"} <= figure.keys():
-        return figure or None
-    return next((part for part in figure.values() if isinstance(part, Mapping)), None)
+def _told(numbers: Mapping[str, int], counted: str) -> str:
+    """At how many of what is counted it is shown and contradicted."""
+    at = "at" if counted == "shells" else "in"
+    if numbers["shown"] == numbers["of"]:
+        return f"{at} all {numbers['of']} {counted}"
+    return f"so {at} {numbers['shown']} of {numbers['of']} {counted}, the opposite {at} {numbers['contradicted']}"
