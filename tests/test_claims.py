@@ -10,7 +10,7 @@ import pytest
 
 from leakref import LeakrefError, runs
 from leakref.cases import PAPER_CASES, Configuration
-from leakref.claims import CLAIMS, EXTRA, Evidence, command, samples, select, words
+from leakref.claims import CLAIMS, EXTRA, Evidence, command, page, samples, select, words
 from leakref.claims.evidence import PLAIN, Setting
 from leakref.claims.samples import Sample
 from leakref.claims.stored import by_line, stored_claim, stored_claims
@@ -725,19 +725,39 @@ def test_ten_sentences_say_what_the_verdicts_say():
     for id, (holds, fails, counted) in SENTENCES.items():
         finding = CLAIMS[id].judge(WORLDS["nothing"])
         for answer, start in ((True, holds), (False, fails), (None, f"whether {holds} is left open")):
-            for figure, told in (
+            for numbers, told in (
                 ({**counts, "besides": 7}, places.get(counted)),
                 (
                     {"one_part": counts, "other": counts, "besides": 7},
                     "one part: {0}; other: {0}".format(places.get(counted)),
                 ),
             ):
-                (row,) = summary([replace(finding, readings=(replace(finding.nearest, holds=answer, figure=figure),))])
+                (row,) = summary([replace(finding, readings=(replace(finding.nearest, holds=answer, figure=numbers),))])
                 ending = f" ({told})" if counted else ""
                 assert row == {"words": f"{start[0].upper()}{start[1:]}{ending}.", "ids": [id]}
         everywhere = replace(finding.nearest, figure={**counts, "shown": 5})
         (row,) = summary([replace(finding, readings=(everywhere,))])
         assert row["words"].endswith(f"{'in' if counted == 'seas' else 'at'} all 5 {counted})." if counted else ".")
+
+
+@pytest.mark.parametrize("world", ["nothing", "reverse"])
+def test_whatever_came_of_them_the_page_shows_all_statements(world, monkeypatch):
+    """Also those of which nothing is open, or nothing contradicted."""
+    monkeypatch.setattr(page, "where_figure", lambda finding: None)
+    monkeypatch.setattr(page, "_encoded", lambda drawing: "")
+    findings = [CLAIMS[id].judge(WORLDS[world]) for id in ("W1", "A2", "A13", "U1", "G2", "R6", "N5")]
+    text = page.page(findings, 8)
+    nearly = 0
+    for f in findings:
+        assert f'<div class="claim" id="{f.claim.id}">' in text
+        at_most = [tally.most for tally in f.nearest.tallies.values()]
+        nearly += f.verdict == "not reproduced" and bool(at_most) and all(at_most)
+    assert f"of those not reproduced, {nearly} are shown at most wavenumbers" in text
+    u1 = next(f for f in findings if f.claim.id == "U1").nearest.tallies["above_the_peak"]
+    against = f", {u1.contradicted.sum()} against" if u1.contradicted.any() else ""
+    assert f"above the peak: {u1.shown.sum()} of {u1.size}{against}" in text
+    assert "current 0.025 following: " in text
+    assert "current_direction" not in text
 
 
 def test_command_prints_writes_and_draws(tmp_path, capsys):

@@ -72,10 +72,20 @@ def _at_most_shells(finding: Finding) -> bool:
 
 def _counts(finding: Finding) -> list[str]:
     """Of each part at how many shells, or seas, it is shown, and at how many contradicted."""
+    tallies = finding.nearest.tallies
     return [
-        f"{tally.shown.sum()} of {tally.size}" + (f", {n} against" if (n := int(tally.contradicted.sum())) else "")
-        for tally in finding.nearest.tallies.values()
+        f"{name.replace('_', ' ')}: " * (len(tallies) > 1)
+        + f"{tally.shown.sum()} of {tally.size}"
+        + (f", {n} against" if (n := int(tally.contradicted.sum())) else "")
+        for name, tally in tallies.items()
     ]
+
+
+def _place(line: Mapping[str, str], parts: Mapping[str, str]) -> str:
+    """A line of `Finding.where`: part, sea, and the wavenumbers at which it is shown, contradicted and open."""
+    name = ", ".join(filter(None, (line["part"] if parts else "", line["sea"])))
+    states = [f"{state} {line[state]}" for state in ("shown", "contradicted", "open") if state in line]
+    return f"{name or 'all'}: {'; '.join(states)}"
 
 
 def _row(finding: Finding) -> Mapping[str, Any]:
@@ -95,7 +105,7 @@ def _row(finding: Finding) -> Mapping[str, Any]:
         "parts": finding.parts,
         "reading": finding.nearest.words,
         "figure": _figures(finding.nearest.figure),
-        "where": finding.where,
+        "where": [_place(line, finding.parts) for line in finding.where],
         "others": {words: some for words, some in others.items() if some},
         "picture": _encoded(where_figure(finding)),
     }
