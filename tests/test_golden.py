@@ -549,7 +549,7 @@ def test_an_entry_more_is_a_row_in_a_table(both, monkeypatch):
             assert ids.methods_of(identifier) == (("other",) if "other" in identifier else DEFAULT)
         assert ids.configuration_of(identifier).id in identifier
     assert ids.methods_of("realization-nsp-ls/0") == ids.methods_of("ensemble-nsp-ls/box-ls") == ("nsp", "ls")
-    assert ids.realization_id(own.configurations[0], 1, "other") == "realization-nsp-ls/others/1"
+    assert ids.certified_ids(own.configurations[0], "other")[1] == "realization-nsp-ls/others/1"
 
 
 def test_what_belongs_to_the_first_set_is_not_written_into_the_second(both):
@@ -862,7 +862,8 @@ def test_a_realisation_is_made_by_both_routes_and_found_again_when_interrupted(s
 
 def test_ensembles_are_made_and_checked(small, tmp_path, work, monkeypatch):
     put_in_place(monkeypatch, "REALIZATIONS", 2)
-    put_in_place(monkeypatch, "CERTIFIED", (0,))
+    one_each = tuple(replace(row, certified=(0,)) for row in ids.SEAS)
+    monkeypatch.setattr(ids, "SEAS", one_each)
     with pytest.raises(LeakrefError, match=r"has its digits from realization-L-T/L=5,T=10/0, which is not there"):
         making.regenerate(["ensemble-L-T/L=5,T=10/*"], small, work=tmp_path)
     making.regenerate(["realization-L-T/L=5,T=10/0"], small, work=work)

@@ -24,7 +24,7 @@ from leakref.chain import analyse
 from leakref.dispersion import DEEP, velocity_unit
 from leakref.ensemble import Ensemble
 from leakref.golden.defined import VECTORS
-from leakref.golden.ids import CERTIFIED, configuration_of, ensemble_id, methods_of, realization_id, together
+from leakref.golden.ids import certified_ids, configuration_of, ensemble_id, methods_of, together
 from leakref.golden.methodvectors import decisions_of
 from leakref.golden.records import entry_record, head_of, vector_record
 from leakref.golden.sets import Entry, tolerance
@@ -255,7 +255,7 @@ def inherit(record: dict[str, Any], certified: Mapping[str, Entry]) -> None:
     """
     method = record["input"]["method"]
     c, name = configuration_of(record["id"]), f"{record['input']['window']}_{method}"
-    ids = [realization_id(c, number, method) for number in CERTIFIED]
+    ids = certified_ids(c, method)
     if missing := [i for i in ids if i not in certified]:
         raise LeakrefError(
             "golden.regenerate",

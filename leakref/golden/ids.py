@@ -16,21 +16,16 @@ from leakref.golden.defined import TABLES
 from leakref.methods import DEFAULT, METHODS
 
 __all__ = [
-    "CERTIFIED",
-    "MADE",
     "PAPER",
     "SEAS",
     "Seas",
+    "certified_ids",
     "configuration_of",
     "ensemble_id",
     "ids",
     "methods_of",
-    "realization_id",
     "together",
 ]
-
-CERTIFIED = (0, 1)
-"""Realisations of every configuration that are golden one by one."""
 
 
 @dataclass(frozen=True)
@@ -39,12 +34,14 @@ class Seas:
 
     - `number`: that of the set; `methods`: ids of `leakref.methods`.
     - `tag`: part of the ids of realisations, for configurations that have others already; empty for the first ones.
+    - `certified`: numbers of the realisations that are golden one by one; ensembles have a hundred.
     """
 
     number: int
     configurations: tuple[Configuration, ...]
     methods: tuple[str, ...] = ("nsp", "ls")
     tag: str = ""
+    certified: tuple[int, ...] = (0, 1)
 
     def realization(self, c: Configuration, number: int) -> str:
         """The id of one realisation, such as `realization-gamma/spread=15,peakedness=7/0`."""
@@ -53,28 +50,31 @@ class Seas:
 
 PAPER = tuple(c for members in PAPER_CASES.values() for c in members)
 """Every configuration of the paper."""
-MADE = ("nsp-ls", "windows")
-"""The cases of the paper of which there are seas by the methods beside the paper's."""
+_BESIDE = {"nsp-ls": (0, 1), "windows": (0, 1), "theta0-dtheta": (0,), "gamma": (0,)}
+"""The cases of the paper of which there are seas by the methods beside its two, and which realisations of them are
+golden one by one: of most it is one, since it takes the whole surface.
+"""
 SEAS = (
     Seas(1, PAPER),
     Seas(2, CASES["depth"]),
     *(
-        Seas(2, tuple(c for case in MADE for c in PAPER_CASES[case]), (name,), name)
+        Seas(2, PAPER_CASES[case], (name,), name, certified)
         for name in METHODS
         if name not in DEFAULT
+        for case, certified in _BESIDE.items()
     ),
 )
 """All that there are; no two rows have both a configuration and a method in common."""
 
 
-def realization_id(c: Configuration, number: int, method: str = "nsp") -> str:
-    """The id of the realisation of a configuration that has velocities by `method`.
+def certified_ids(c: Configuration, method: str = "nsp") -> list[str]:
+    """The ids of the realisations of a configuration that have velocities by `method`.
 
     Such as `realization-gamma/spread=15,peakedness=7/0`. Raises LeakrefError if there is none.
     """
     for seas in SEAS:
         if c in seas.configurations and method in seas.methods:
-            return seas.realization(c, number)
+            return [seas.realization(c, number) for number in seas.certified]
     raise LeakrefError("golden", f"{c.id} by {method!r} is in no golden set", "add a row to golden.ids.SEAS")
 
 
@@ -107,7 +107,7 @@ def ids(*parts: str, number: int | None = None) -> dict[str, str]:
     for seas in (seas for seas in SEAS if number in (None, seas.number)):
         for c in seas.configurations:
             if "realizations" in parts:
-                found |= {seas.realization(c, n): _file_of("realizations", c.case) for n in CERTIFIED}
+                found |= {seas.realization(c, n): _file_of("realizations", c.case) for n in seas.certified}
             if "ensembles" in parts:
                 found |= {ensemble_id(c, w, m): _file_of("ensembles", c.case) for w in c.windows for m in seas.methods}
     return found
