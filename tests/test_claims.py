@@ -721,23 +721,25 @@ def test_ten_sentences_say_what_the_verdicts_say():
     assert len(SENTENCES) == 10
     assert summary([]) == []
     counts = {"shown": 3, "of": 5, "contradicted": 1}
-    places = {"shells": "so at 3 of 5 shells, the opposite at 1", "seas": "so in 3 of 5 seas, the opposite in 1"}
+    places = {
+        "shells": "so at 3 of 5 shells, the opposite at 1",
+        "seas": "so in 3 of 5 seas, the opposite in 1",
+        "": "",
+    }
     for id, (holds, fails, counted) in SENTENCES.items():
         finding = CLAIMS[id].judge(WORLDS["nothing"])
         for answer, start in ((True, holds), (False, fails), (None, f"whether {holds} is left open")):
-            for numbers, told in (
-                ({**counts, "besides": 7}, places.get(counted)),
-                (
-                    {"one_part": counts, "other": counts, "besides": 7},
-                    "one part: {0}; other: {0}".format(places.get(counted)),
-                ),
-            ):
-                (row,) = summary([replace(finding, readings=(replace(finding.nearest, holds=answer, figure=numbers),))])
+            for parts in ((), ("one_part", "other")):
+                figure = {**dict.fromkeys((*parts, "no part"), counts), **counts}
+                nearest = replace(finding.nearest, holds=answer, figure=figure, parts=dict.fromkeys(parts))
+                (row,) = summary([replace(finding, readings=(nearest,))])
+                told = "; ".join(f"{part.replace('_', ' ')}: {places[counted]}" for part in parts) or places[counted]
                 ending = f" ({told})" if counted else ""
                 assert row == {"words": f"{start[0].upper()}{start[1:]}{ending}.", "ids": [id]}
-        everywhere = replace(finding.nearest, figure={**counts, "shown": 5})
-        (row,) = summary([replace(finding, readings=(everywhere,))])
-        assert row["words"].endswith(f"{'in' if counted == 'seas' else 'at'} all 5 {counted})." if counted else ".")
+        for numbers, ending in (({"shown": 5}, "all 5"), ({"contradicted": 0}, "none")):
+            nearest = replace(finding.nearest, figure={**counts, **numbers}, parts={})
+            (row,) = summary([replace(finding, readings=(nearest,))])
+            assert row["words"].endswith(f" {ending} {counted})." if ending != "none" else " none).") or not counted
 
 
 @pytest.mark.parametrize("world", ["nothing", "reverse"])

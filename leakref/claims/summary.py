@@ -75,28 +75,21 @@ SENTENCES = {
 def summary(findings: Sequence[Finding]) -> list[dict[str, Any]]:
     """`words` and `ids` of each sentence whose statement was evaluated."""
     found = {finding.claim.id: finding for finding in findings}
-    return [
-        {"words": _sentence(found[id].verdict, *texts, found[id].nearest.figure), "ids": [id]}
-        for id, texts in SENTENCES.items()
-        if id in found
-    ]
+    return [{"words": _sentence(found[id], *texts), "ids": [id]} for id, texts in SENTENCES.items() if id in found]
 
 
-def _sentence(verdict: str, holds: str, fails: str, counted: str, figure: Any) -> str:
-    """With its numbers, but where a largest value decides: 1 of 1 would say nothing."""
+def _sentence(finding: Finding, holds: str, fails: str, counted: str) -> str:
+    """With its numbers, part by part, but where a largest value decides: 1 of 1 would say nothing."""
+    verdict, figure = finding.verdict, finding.nearest.figure
     words = f"whether {holds} is left open" if verdict == OPEN else holds if verdict == REPRODUCED else fails
-    parts = (
-        {"": figure} if "of" in figure else {name: part for name, part in figure.items() if isinstance(part, Mapping)}
-    )
-    told = "; ".join(
-        f"{name.replace('_', ' ')}: " * (len(parts) > 1) + _told(part, counted) for name, part in parts.items()
-    )
+    parts = [f"{name.replace('_', ' ')}: {_told(figure[name])}" for name in finding.nearest.parts]
+    told = "; ".join(parts or [_told(figure)]).format(at="at" if counted == "shells" else "in", name=counted)
     return words[0].upper() + words[1:] + (f" ({told})" if counted else "") + "."
 
 
-def _told(numbers: Mapping[str, int], counted: str) -> str:
-    """At how many of what is counted it is shown and contradicted."""
-    at = "at" if counted == "shells" else "in"
-    if numbers["shown"] == numbers["of"]:
-        return f"{at} all {numbers['of']} {counted}"
-    return f"so {at} {numbers['shown']} of {numbers['of']} {counted}, the opposite {at} {numbers['contradicted']}"
+def _told(numbers: Mapping[str, int]) -> str:
+    """At how many of what is counted it is shown and contradicted; to be formatted with its `name`, and `at` or in."""
+    shown, against, of = (numbers[name] for name in ("shown", "contradicted", "of"))
+    if shown == of:
+        return f"{{at}} all {of} {{name}}"
+    return f"so {{at}} {shown} of {of} {{name}}, the opposite {{at}} {against or 'none'}"
