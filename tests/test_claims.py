@@ -646,22 +646,25 @@ def test_what_would_decide_an_open_verdict_is_said():
         (reading,) = words.every({}, part=tally)
         return replace(CLAIMS["A2"].judge(WORLDS["paper"]), readings=(reading,))
 
-    def many(times, where):
-        return f"{times} times as many realisations (at {where}), if the means stay what they are"
+    def many(times, number, of):
+        comparisons = f"{number} of {of} comparisons that {'is' if number == 1 else 'are'} undecided"
+        return f"{times} times as many realisations, with the same means, would settle the {comparisons}"
 
     assert found(9.0, 8.0).would_decide == found(9.0, -8.0).would_decide == ""
-    assert found(9.0, 1.0).would_decide == many(4, "1 of 2")
-    assert found(9.0, 1.0, 0.5).would_decide == many(16, "2 of 3")
-    assert found(9.0, 1.0, 0.1).would_decide == "more than " + many(100, "1 of 3")
-    assert found(9.0, -1.0).would_decide == many(5, "1 of 2")  # of a family of two: 2.24 standard errors
-    nowhere = "numbers where most realisations have none (at 1 of 2)"
-    assert found(9.0, 1.0, missing=[1]).would_decide == f"{nowhere}, if the means stay what they are"
+    assert found(9.0, 1.0).would_decide == many(4, 1, 2)
+    assert found(9.0, 1.0, 0.5).would_decide == many(16, 2, 3)
+    assert found(9.0, 1.0, 0.1).would_decide == (
+        "no number of realisations that can be made: of the 2 of 3 comparisons that are undecided 1 lie on the limit"
+    )
+    assert found(9.0, -1.0).would_decide == many(5, 1, 2)  # of a family of two: 2.24 standard errors
+    nowhere = "seas with more numbers: in 1 of {} comparisons most realisations have none"
+    assert found(9.0, 1.0, missing=[1]).would_decide == nowhere.format(2)
+    assert found(1.0, 9.0, 9.0, missing=[1]).would_decide == f"{many(4, 1, 3)}; {nowhere.format(3)}"
     told, left = (found(mean).nearest.tallies["part"] for mean in (9.0, 1.0))
-    parts = {"parts": {"of_this": True, "of_that": None}, "tallies": {"of_this": told, "of_that": left}}
-    assert replace(found(1.0), readings=(replace(found(1.0).nearest, **parts),)).would_decide == many(4, "1 of 1")
-    parts = {"parts": dict.fromkeys(("of_this", "of_that")), "tallies": {"of_this": left, "of_that": left}}
-    both = replace(found(1.0), readings=(replace(found(1.0).nearest, **parts),)).would_decide
-    assert both == f"of this: {many(4, '1 of 1')}; of that: {many(4, '1 of 1')}"
+    for holds in (True, False):
+        parts = {"parts": {"of_this": holds, "of_that": None}, "tallies": {"of_this": told, "of_that": left}}
+        of_parts = replace(found(1.0), readings=(replace(found(1.0).nearest, holds=holds or None, **parts),))
+        assert of_parts.would_decide == f"of that: {many(4, 1, 1)}"
 
 
 def test_the_record_is_json_and_says_how_it_was_tested():
@@ -721,11 +724,7 @@ def test_ten_sentences_say_what_the_verdicts_say():
     assert len(SENTENCES) == 10
     assert summary([]) == []
     counts = {"shown": 3, "of": 5, "contradicted": 1}
-    places = {
-        "shells": "so at 3 of 5 shells, the opposite at 1",
-        "seas": "so in 3 of 5 seas, the opposite in 1",
-        "": "",
-    }
+    places = {name: f"in 3 of 5 {name}, contradicted in 1" for name in ("comparisons", "seas", "")}
     for id, (holds, fails, counted) in SENTENCES.items():
         finding = CLAIMS[id].judge(WORLDS["nothing"])
         for answer, start in ((True, holds), (False, fails), (None, f"whether {holds} is left open")):
@@ -734,7 +733,8 @@ def test_ten_sentences_say_what_the_verdicts_say():
                 nearest = replace(finding.nearest, holds=answer, figure=figure, parts=dict.fromkeys(parts))
                 (row,) = summary([replace(finding, readings=(nearest,))])
                 told = "; ".join(f"{part.replace('_', ' ')}: {places[counted]}" for part in parts) or places[counted]
-                ending = f" ({told})" if counted else ""
+                whose = "" if answer else "the paper's statement is shown "
+                ending = f" ({whose}{told})" if counted else ""
                 assert row == {"words": f"{start[0].upper()}{start[1:]}{ending}.", "ids": [id]}
         for numbers, ending in (({"shown": 5}, "all 5"), ({"contradicted": 0}, "none")):
             nearest = replace(finding.nearest, figure={**counts, **numbers}, parts={})

@@ -59,7 +59,7 @@ def _(see: Evidence) -> Iterator[Reading]:
 
 @claim(
     "M2",
-    "iterative least squares perform similarly to NSP on currents without shear",
+    "iterative least squares perform similarly to NSP on currents without shear, as others found",
     "sec:LSvsNSP",
     "Mean of |c - U| and random part not significantly different from those of NSP. Uniform currents of case-U, not "
     "rotated; with still water, too; Hann and untapered.",

@@ -15,7 +15,7 @@ paper's table, or on those that they name.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from itertools import pairwise, product
 
@@ -46,21 +46,28 @@ from leakref.claims.samples import (
     NEAR,
     RESOLUTIONS,
     WINDOWS,
-    Sample,
     along,
     bias,
     deviation,
     in_resolutions,
+    influence,
     missed,
     random,
     ratio,
     smaller,
-    squared,
-    total,
 )
 from leakref.claims.words import Reading, Tally, above, below, both, either, every, pooled, positive
 
-_ALL = tuple(c for members in PAPER_CASES.values() for c in members)
+
+def _distinct(configurations: Iterable[Configuration]) -> tuple[Configuration, ...]:
+    """Each sea once: some are of several cases, under other names."""
+    found: dict[str, Configuration] = {}
+    for c in configurations:
+        found.setdefault(repr(replace(c, case="", varied=())), c)
+    return tuple(found.values())
+
+
+_ALL = _distinct(c for members in PAPER_CASES.values() for c in members)
 _STILL = tuple(c for c in _ALL if not c.speed)
 
 
@@ -114,16 +121,6 @@ def _nearly_all(tally: Tally) -> bool | None:
     return None if shown + open_ones >= 0.9 * tally.size else False
 
 
-def _influence(see: Evidence, window: str, pairs: list[tuple[Configuration, Configuration]]) -> Sample:
-    """Mean square of the differences of bias between configurations that differ in resolution, in units of the smaller
-    resolution of both.
-    """
-    parts = []
-    for a, b in ((see(one, window), see(other, window)) for one, other in pairs):
-        parts.append(squared(in_resolutions(bias(a) - bias(b), a, b)).over())
-    return 1 / len(parts) * total(parts)
-
-
 @claim(
     "G3",
     "a window mitigates limited resolution more effectively in space than in time (abstract); the influence "
@@ -141,7 +138,9 @@ def _(see: Evidence) -> Iterator[Reading]:
     durations = (10.0, 20.0, 80.0)
     in_space = [(domain(a, t), domain(b, t)) for (a, b), t in product(pairwise(LENGTHS), durations)]
     in_time = [(domain(length, a), domain(length, b)) for (a, b), length in product(pairwise(durations), LENGTHS)]
-    space, time = ({w: _influence(see, w, pairs) for w in WINDOWS} for pairs in (in_space, in_time))
+    space, time = (
+        {w: influence([(see(a, w), see(b, w)) for a, b in pairs]) for w in WINDOWS} for pairs in (in_space, in_time)
+    )
     left_space, left_time = (ratio(found["hann"], found["box"]) for found in (space, time))
     figure = {
         name: float(f"{np.sqrt(max(sample.mean[0], 0.0)):.3g}")

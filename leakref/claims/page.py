@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from leakref import __version__
 from leakref._output import template, write_whole
 from leakref.claims.pictures import where_figure
-from leakref.claims.registry import NOT_REPRODUCED, Finding
+from leakref.claims.registry import NOT_REPRODUCED, UNTOLD, Finding
 from leakref.claims.summary import summary
 
 __all__ = ["SECTIONS", "page", "write_page"]
@@ -100,7 +100,8 @@ def _row(finding: Finding) -> Mapping[str, Any]:
         "kind": {"reproduced": "conformant", "not reproduced": "rejected"}.get(finding.verdict, "unjudged"),
         "robust": finding.robust,
         "counts": _counts(finding),
-        "turns": finding.depends_on,
+        "turns": [choice for choice in finding.depends_on if choice != UNTOLD],
+        "open_too": UNTOLD in finding.depends_on,
         "would_decide": finding.would_decide,
         "parts": finding.parts,
         "reading": finding.nearest.words,
@@ -115,21 +116,20 @@ def _figures(figure: Any, name: str = "") -> list[tuple[str, str]]:
     """A figure as lines of a name and a number, nested ones with their names joined."""
     if isinstance(figure, Mapping):
         if {"shown", "of"} <= set(figure):
-            lines = [(name or "shells", _counted(figure))]
-            rest = {k: v for k, v in figure.items() if k not in ("shown", "contradicted", "of", "mean_margin")}
+            lines = [(name or "comparisons", _counted(figure))]
+            rest = {
+                {"lacking_numbers": "of which some realisations have no number"}.get(k, k): v
+                for k, v in figure.items()
+                if k not in ("shown", "contradicted", "of", "mean_margin")
+            }
             return lines + _figures(rest, name)
         return [line for key, value in figure.items() for line in _figures(value, f"{name}: {key}" if name else key)]
     return [(name.replace("_", " "), ", ".join(map(str, figure)) if isinstance(figure, list) else str(figure))]
 
 
 def _counted(figure: Mapping[str, Any]) -> str:
-    """Counts of shells in words."""
-    margin = (
-        ""
-        if figure["mean_margin"] is None
-        else f"; by {figure['mean_margin']:+.3g} in the mean (c0, degrees, or the ratio that is compared)"
-    )
-    return f"{figure['shown']} of {figure['of']} shown, {figure['contradicted']} against{margin}"
+    """Counts of comparisons in words."""
+    return f"{figure['shown']} of {figure['of']} shown, {figure['contradicted']} against"
 
 
 def _encoded(drawing: Figure) -> str:

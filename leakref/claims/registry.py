@@ -33,6 +33,8 @@ REPRODUCED, NOT_REPRODUCED, OPEN = "reproduced", "not reproduced", "open"
 Predicate = Callable[[Any], Iterable[Reading]]
 SMALLEST = 0.5
 """Smallest wavenumber that the paper's figures show, in k0."""
+UNTOLD = "the sampling error"
+"""What a verdict turns on where a reading is open."""
 _MANY = 100
 """Times as many realisations as nobody will make: what they would not tell is said to be beyond that."""
 _VERDICTS: dict[Answer, str] = {True: REPRODUCED, False: NOT_REPRODUCED, None: OPEN}
@@ -133,16 +135,15 @@ class Finding:
                 answers.setdefault(rest, set()).add(reading.holds)
             if any({True, False} <= group for group in answers.values()):
                 found.append(name)
-        return found + ["the sampling error"] * any(reading.holds is None for reading in self.readings)
+        return found + [UNTOLD] * any(reading.holds is None for reading in self.readings)
 
     @property
     def would_decide(self) -> str:
-        """Of an open verdict, part by part: how much is open, and how many more realisations would tell. Else empty."""
-        if self.verdict != OPEN:
-            return ""
-        parts = [name for name in self.nearest.tallies if self.nearest.parts.get(name) is None]
-        said = [(name.replace("_", " "), _would_decide(self.nearest.tallies[name])) for name in parts]
-        return "; ".join(words if len(said) == 1 else f"{name}: {words}" for name, words in said)
+        """Of each part that is open: how much of it, and how many more realisations would tell. Else empty."""
+        nearest = self.nearest
+        parts = [name for name in nearest.tallies if nearest.parts.get(name, nearest.holds) is None]
+        said = [(name.replace("_", " "), _would_decide(nearest.tallies[name])) for name in parts]
+        return "; ".join(f"{name}: {words}" if nearest.parts else words for name, words in said)
 
     @property
     def where(self) -> list[dict[str, str]]:
@@ -180,14 +181,17 @@ def _would_decide(tally: Tally) -> str:
     with np.errstate(divide="ignore", invalid="ignore"):
         needed = np.where(margin > 0, 2.0, tally.family_level) * error / np.abs(margin)
         times = np.where(seldom, 0.0, np.where(error > 0, needed**2, np.inf))
-    late, lacking = int((times > _MANY).sum()), int(seldom.sum())
-    words = [f"numbers where most realisations have none (at {lacking} of {tally.size})"] if lacking else []
+    late, lacking, known = int((times > _MANY).sum()), int(seldom.sum()), int((~seldom).sum())
+    comparisons = f"{known} of {tally.size} comparisons that {'is' if known == 1 else 'are'} undecided"
+    words = []
     if late:
-        words += [f"more than {_MANY} times as many realisations (at {late} of {tally.size})"]
-    elif lacking < margin.size:
+        words.append(f"no number of realisations that can be made: of the {comparisons} {late} lie on the limit")
+    elif known:
         factor = max(1.1, float(f"{times.max():.2g}"))
-        words += [f"{factor:g} times as many realisations (at {margin.size - lacking} of {tally.size})"]
-    return " and ".join(words) + ", if the means stay what they are"
+        words.append(f"{factor:g} times as many realisations, with the same means, would settle the {comparisons}")
+    if lacking:
+        words.append(f"seas with more numbers: in {lacking} of {tally.size} comparisons most realisations have none")
+    return "; ".join(words)
 
 
 def _where(part: str, tally: Tally) -> list[dict[str, str]]:

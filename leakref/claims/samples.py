@@ -7,7 +7,7 @@ influence of each realisation, so that every comparison has a standard error.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 from typing import Any
@@ -38,6 +38,7 @@ __all__ = [
     "direction",
     "excess",
     "in_resolutions",
+    "influence",
     "magnitude",
     "missed",
     "random",
@@ -263,6 +264,13 @@ def squared(sample: Sample) -> Sample:
     """
     mean = sample.mean
     return replace(sample, values=mean**2 - sample.error**2 + 2 * mean * (sample.values - mean))
+
+
+def influence(pairs: Sequence[tuple[Ensemble, Ensemble]], of: Callable[[Ensemble], Sample] = bias) -> Sample:
+    """Its mean is the mean square of the differences between the two of each pair, in units of the smaller resolution
+    of both.
+    """
+    return 1 / len(pairs) * total([squared(in_resolutions(of(a) - of(b), a, b)).over() for a, b in pairs])
 
 
 def ratio(part: Sample, whole: Sample) -> Sample:

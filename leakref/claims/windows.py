@@ -16,6 +16,7 @@ bins, over their value at zero.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -84,7 +85,7 @@ def _(see: Evidence) -> Iterator[Reading]:
 
 @claim(
     "W3",
-    "Blackman falls to about 1e-3 outside its central lobe",
+    "Blackman falls to the order of 1e-3 outside its central lobe",
     "sec:leakage",
     "The largest |transform| beyond the first zero is of that order, within a factor of 2, or within 10 % of it.",
 )
@@ -192,7 +193,9 @@ def _(see: Evidence) -> Iterator[Reading]:
             ):
                 yield from every(
                     {"stable": stable, "window": window, "sea": words},
-                    outside=pooled(*(above(by[o] - by[i]) for o in outer for i in inner)),
+                    outside=pooled(
+                        *(above(replace(by[o] - by[i], sea=f"a = {o} against {i}")) for o in outer for i in inner)
+                    ),
                 )
 
 
