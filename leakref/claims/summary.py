@@ -15,8 +15,8 @@ __all__ = ["SENTENCES", "summary"]
 
 SENTENCES = {
     "A12": (
-        "untapered videos of still water can show currents of a tenth of the peak phase velocity and more, of the order "
-        "of the group velocity where the spread is below 60 degrees",
+        "untapered videos of still water can show currents of a tenth of the peak phase velocity and more, of the "
+        "order of the group velocity where the spread is below 60 degrees",
         "untapered videos of still water cannot show currents of a tenth of the peak phase velocity and more, of the "
         "order of the group velocity where the spread is below 60 degrees",
         "",
