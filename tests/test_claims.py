@@ -654,8 +654,9 @@ def test_what_would_decide_an_open_verdict_is_said():
     assert found(9.0, 1.0).would_decide == many(4, 1, 2)
     assert found(9.0, 1.0, 0.5).would_decide == many(16, 2, 3)
     assert found(9.0, 1.0, 0.1).would_decide == (
-        "no number of realisations that can be made: of the 2 of 3 comparisons that are undecided 1 lie on the limit"
+        "no number of realisations that can be made: of the 2 of 3 comparisons that are undecided 1 lies on the limit"
     )
+    assert found(9.0, 0.1, 0.1).would_decide.endswith(": the 2 of 3 comparisons that are undecided lie on the limit")
     assert found(9.0, -1.0).would_decide == many(5, 1, 2)  # of a family of two: 2.24 standard errors
     nowhere = "seas with more numbers: in 1 of {} comparisons most realisations have none"
     assert found(9.0, 1.0, missing=[1]).would_decide == nowhere.format(2)

@@ -185,7 +185,9 @@ def _would_decide(tally: Tally) -> str:
     comparisons = f"{known} of {tally.size} comparisons that {'is' if known == 1 else 'are'} undecided"
     words = []
     if late:
-        words.append(f"no number of realisations that can be made: of the {comparisons} {late} lie on the limit")
+        lie = f"{'lies' if late == 1 else 'lie'} on the limit"
+        which = f"the {comparisons} {lie}" if late == known else f"of the {comparisons} {late} {lie}"
+        words.append(f"no number of realisations that can be made: {which}")
     elif known:
         factor = max(1.1, float(f"{times.max():.2g}"))
         words.append(f"{factor:g} times as many realisations, with the same means, would settle the {comparisons}")
