@@ -725,7 +725,7 @@ def test_ten_sentences_say_what_the_verdicts_say():
     assert len(SENTENCES) == 10
     assert summary([]) == []
     counts = {"shown": 3, "of": 5, "contradicted": 1}
-    places = {name: f"in 3 of 5 {name}, contradicted in 1" for name in ("comparisons", "seas", "")}
+    places = {name: f"shown in 3 of 5 {name}, contradicted in 1" for name in ("comparisons", "seas", "")}
     for id, (holds, fails, counted) in SENTENCES.items():
         finding = CLAIMS[id].judge(WORLDS["nothing"])
         for answer, start in ((True, holds), (False, fails), (None, f"whether {holds} is left open")):
@@ -733,8 +733,8 @@ def test_ten_sentences_say_what_the_verdicts_say():
                 figure = {**dict.fromkeys((*parts, "no part"), counts), **counts}
                 nearest = replace(finding.nearest, holds=answer, figure=figure, parts=dict.fromkeys(parts))
                 (row,) = summary([replace(finding, readings=(nearest,))])
-                told = "; ".join(f"{part.replace('_', ' ')}: {places[counted]}" for part in parts) or places[counted]
-                whose = "" if answer else "the paper's statement is shown "
+                told = "; ".join(f"{part.replace('_', ' ')}, {places[counted]}" for part in parts) or places[counted]
+                whose = "" if answer else "the paper's statement: "
                 ending = f" ({whose}{told})" if counted else ""
                 assert row == {"words": f"{start[0].upper()}{start[1:]}{ending}.", "ids": [id]}
         for numbers, ending in (({"shown": 5}, "all 5"), ({"contradicted": 0}, "none")):

@@ -82,9 +82,9 @@ def _sentence(finding: Finding, holds: str, fails: str, counted: str) -> str:
     """With its numbers, part by part, but where a largest value decides: 1 of 1 would say nothing."""
     verdict, figure = finding.verdict, finding.nearest.figure
     words = f"whether {holds} is left open" if verdict == OPEN else holds if verdict == REPRODUCED else fails
-    parts = [f"{name.replace('_', ' ')}: {_told(figure[name], counted)}" for name in finding.nearest.parts]
+    parts = [f"{name.replace('_', ' ')}, {_told(figure[name], counted)}" for name in finding.nearest.parts]
     told = "; ".join(parts or [_told(figure, counted)])
-    whose = "" if verdict == REPRODUCED else "the paper's statement is shown "
+    whose = "" if verdict == REPRODUCED else "the paper's statement: "
     return words[0].upper() + words[1:] + (f" ({whose}{told})" if counted else "") + "."
 
 
@@ -92,7 +92,7 @@ def _told(numbers: Mapping[str, int], counted: str) -> str:
     """In how many of what is counted it is shown and contradicted."""
     shown, against, of = (numbers[name] for name in ("shown", "contradicted", "of"))
     return (
-        f"in all {of} {counted}"
+        f"shown in all {of} {counted}"
         if shown == of
-        else f"in {shown} of {of} {counted}, contradicted in {against or 'none'}"
+        else f"shown in {shown} of {of} {counted}, contradicted in {against or 'none'}"
     )
