@@ -60,7 +60,10 @@ from leakref.claims.words import Reading, Tally, above, below, both, either, eve
 
 
 def _distinct(configurations: Iterable[Configuration]) -> tuple[Configuration, ...]:
-    """Each sea once: some are of several cases, under other names."""
+    """Each sea once: some are of several cases, under other names.
+
+    Counted by cases, the sea of theta0 = 90 and spread 60 degrees would speak five times. The first name is kept.
+    """
     found: dict[str, Configuration] = {}
     for c in configurations:
         found.setdefault(repr(replace(c, case="", varied=())), c)

@@ -65,7 +65,10 @@ def write_page(findings: Sequence[Finding], realizations: int, place: Path) -> P
 
 
 def _at_most_shells(finding: Finding) -> bool:
-    """Every part is shown at over half of its shells."""
+    """Every part is shown at over half of its shells.
+
+    It is what a reader should know of a statement that is not reproduced because a few wavenumbers are against it.
+    """
     tallies = finding.nearest.tallies.values()
     return bool(tallies) and all(tally.most for tally in tallies)
 
