@@ -91,21 +91,22 @@ def _(see: Evidence) -> Iterator[Reading]:
     changes the sign for opposing ones.
     """
     for window in WINDOWS:
-        vector: dict[str, list[Tally]] = {"above_the_peak": [], "below_the_peak": []}
-        size: dict[str, list[Tally]] = {"above_the_peak": [], "below_the_peak": []}
+        vector, size = [], []
         for one in turn(0.0):
             e = see(one, window)
             waves = along(e, 90)
             off = replace(waves, values=waves.values - one.current[1])
-            vector["above_the_peak"].append(below(off.at(ABOVE)))
-            vector["below_the_peak"].append(above(off.at(BELOW)))
+            vector.append(off)
             if one.current_direction in _ALIGNED:
                 size_off = replace(bias(e), values=e.magnitudes - one.speed)
                 with_waves = np.sign(one.current[1]) * size_off
-                size["above_the_peak"].append(below(with_waves.at(ABOVE)))
-                size["below_the_peak"].append(above(with_waves.at(BELOW)))
-        for words, parts in (("mean of |c| against U", size), ("component along the waves", vector)):
-            yield from either({"bias": words, "window": window}, **{name: pooled(*t) for name, t in parts.items()})
+                size.append(with_waves)
+        for words, along_waves in (("mean of |c| against U", size), ("component along the waves", vector)):
+            yield from either(
+                {"bias": words, "window": window},
+                above_the_peak=pooled(*(below(one.at(ABOVE)) for one in along_waves)),
+                below_the_peak=pooled(*(above(one.at(BELOW)) for one in along_waves)),
+            )
 
 
 @claim(

@@ -77,10 +77,7 @@ def _counts(finding: Finding) -> list[str]:
     """Of each part at how many shells, or seas, it is shown, and at how many contradicted."""
     tallies = finding.nearest.tallies
     return [
-        f"{name.replace('_', ' ')}: " * (len(tallies) > 1)
-        + f"{tally.shown.sum()} of {tally.size}"
-        + (f", {n} against" if (n := int(tally.contradicted.sum())) else "")
-        for name, tally in tallies.items()
+        f"{name.replace('_', ' ')}: " * (len(tallies) > 1) + _counted(tally.figure) for name, tally in tallies.items()
     ]
 
 
@@ -132,7 +129,7 @@ def _figures(figure: Any, name: str = "") -> list[tuple[str, str]]:
 
 def _counted(figure: Mapping[str, Any]) -> str:
     """Counts of comparisons in words."""
-    return f"{figure['shown']} of {figure['of']} shown, {figure['contradicted']} against"
+    return f"{figure['shown']} of {figure['of']}" + (f", {n} against" if (n := figure["contradicted"]) else "")
 
 
 def _encoded(drawing: Figure) -> str:
