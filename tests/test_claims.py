@@ -11,6 +11,7 @@ import pytest
 from leakref import LeakrefError, runs
 from leakref.cases import PAPER_CASES, Configuration
 from leakref.claims import CLAIMS, EXTRA, Evidence, command, page, samples, select, words
+from leakref.claims.configurations import current
 from leakref.claims.evidence import PLAIN, Setting
 from leakref.claims.samples import Sample
 from leakref.claims.stored import by_line, stored_claim, stored_claims
@@ -719,6 +720,52 @@ def test_timings_are_of_every_step():
     seconds = Evidence(2).seconds(small)
     assert set(seconds) == {"transform", "shells", "nsp", "ls", "ls by Nelder-Mead"}
     assert min(seconds.values()) > 0
+
+
+def test_the_nearest_reading_is_that_of_the_text():
+    """R6 follows on "provided the data is tapered", U1 says one thing above the peak and one below, U2 is of errors."""
+    nearest = {id: CLAIMS[id].judge(WORLDS["paper"]).nearest for id in ("R6", "U1", "U2", "N4", "P6")}
+    assert nearest["R6"].choices["window"] == "hann"
+    assert list(nearest["U1"].parts) == ["above_the_peak", "below_the_peak"]
+    assert (nearest["U2"].choices["error"], nearest["U2"].choices["same"]) == (
+        "mean of |c - U|",
+        "not significantly different",
+    )
+    assert nearest["N4"].choices["limit"] == "larger"
+    assert nearest["P6"].choices["gone"] == "not significant"
+
+
+def test_a_scatter_is_held_against_resolutions_and_currents():
+    """Twice 0.04: above the weakest current, below the strongest."""
+    world = MadeUp(lambda c, w, m, s, k, small, large: (0.5 + 0 * k, 0.04, 90.0))
+    holds = {(r.choices["limit"], r.choices["level"]): r.holds for r in CLAIMS["N4"].judge(world).readings}
+    assert holds["a current of 0.025", "2 sd"]
+    assert holds["a current of 0.15", "2 sd"] is False
+    assert holds["a current of 0.025", "1 sd"] is not True
+
+
+def test_seas_have_names_and_each_is_counted_once():
+    def named(speed, direction, rotation=0.0):
+        return samples.bias(ensemble(np.zeros((2, 3, 2)), current(speed, direction, rotation))).sea
+
+    assert [named(0.025, angle) for angle in (90, 0, -90)] == [
+        f"current 0.025 {where}" for where in ("following", "crossing", "opposing")
+    ]
+    assert [named(0.0, 0, turn) for turn in (0, 30)] == ["still water", "still water, turned by 30"]
+    difference = sample([1.0]) - replace(sample([1.0]), sea="b")
+    assert (replace(sample([1.0]), sea="a") - replace(sample([1.0]), sea="b")).sea == "a against b"
+    assert difference.sea == "b"
+    asked = []
+
+    class Recorder(MadeUp):
+        def __call__(self, c, *given, **more):
+            asked.append(c)
+            return super().__call__(c, *given, **more)
+
+    (reduced,) = CLAIMS["G2"].judge(Recorder(paper)).nearest.tallies.values()
+    seas = {repr(replace(c, case="", varied=())) for members in PAPER_CASES.values() for c in members}
+    assert reduced.size == len(seas) < sum(map(len, PAPER_CASES.values()))
+    assert {repr(replace(c, case="", varied=())) for c in asked} == seas
 
 
 def test_ten_sentences_say_what_the_verdicts_say():
