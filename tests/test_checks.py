@@ -722,3 +722,16 @@ def test_golden_cubes_whose_pixels_are_not_square_are_not_for_it():
 def test_one_check_is_run_by_the_id_of_one_finding(name, words):
     with pytest.raises(LeakrefError, match=words):
         run_check(name, InProcess(reference))
+
+
+def test_questions_are_chosen_by_name_by_family_and_by_pattern():
+    def chosen(*patterns):
+        return {f"{c.id}[{case.id}]" for c, case in select(patterns)}
+
+    sea = {i for i in chosen("signs.sea") if i.startswith("signs.sea[to-")}
+    assert sea
+    assert chosen("signs.sea[to-*") == sea  # a bracket is a bracket
+    assert chosen(min(sea)) == {min(sea)}
+    assert chosen("signs.sea") < chosen("signs") == chosen("signs.*")
+    with pytest.raises(LeakrefError, match=r"no check is called 'signs\.sea\[to'"):
+        select(["signs.sea[to"])

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 import tools
@@ -53,3 +55,17 @@ def test_an_environment_without_iwave(monkeypatch, python, required, what):
 def test_what_is_there_is_found_whatever_is_required(monkeypatch):
     for required in ("", "octave,chromium,iwave"):
         assert outcome(monkeypatch, required, lambda: tools.requires(sys.executable, "octave")) == ("there", "")
+
+
+def test_of_a_name_in_slow_txt_one_in_so_many_is_asked_by_default():
+    lines = Path(__file__).with_name("slow.txt").read_text(encoding="utf-8").splitlines()
+    name = "tests/test_exits.py::test_what_cannot_be_printed_is_no_success"
+    assert f"{name} one of 4" in lines
+
+    def found(*words):
+        ask = [sys.executable, "-m", "pytest", "--collect-only", "-q", "-n0", name, *words]
+        done = subprocess.run(ask, capture_output=True, text=True, cwd=Path(__file__).parents[1])
+        return [line for line in done.stdout.splitlines() if line.startswith(name)]
+
+    assert found("-m", "not slow") == found()[::4]
+    assert len(found()) > 4
