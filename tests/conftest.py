@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import subprocess
+import sys
+import threading
 import time
 from collections import Counter
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+import psutil
 import pytest
 from threadpoolctl import threadpool_limits
 from tools import requires
@@ -41,6 +46,8 @@ SLOW = dict(map(_slow, Path(__file__).with_name("slow.txt").read_text().splitlin
 """Tests that take long and have quicker siblings, by name, with their parameters or without: marked slow. Where the
 line ends in `one of 4` one in four of the parameters is not.
 """
+COMPILING = "LEAKREF_TESTS_COMPILING"
+"""Names the process that compiles for all: it takes half a minute, and each of them would do it by itself."""
 BEGUN = time.monotonic()
 NAMED: Counter[str] = Counter()
 """Those of them that were found, and how many of each."""
@@ -49,6 +56,7 @@ NAMED: Counter[str] = Counter()
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--within", type=float, help="minutes, after which no other test is begun: the rest is skipped")
     parser.addoption("--slow", action="store_true", help="also run the tests marked slow or night")
+    parser.addoption("--part", type=_part, help="2/3: of the slow tests every third function from the second on")
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -66,6 +74,10 @@ def pytest_cmdline_main(config: pytest.Config) -> None:
     inside = "PYTEST_XDIST_WORKER" in os.environ  # one of them already, which is asked the same
     if not (named or inside) and getattr(given, "numprocesses", 0) is None:
         given.numprocesses, given.dist, given.loadscopereorder = min((os.cpu_count() or 1) + 1, 5), "loadfile", False
+    if getattr(given, "numprocesses", 0) and not inside and not given.collectonly:
+        compiling = subprocess.Popen([sys.executable, Path(__file__).with_name("compiling.py")])
+        threading.Thread(target=compiling.wait, daemon=True).start()
+        os.environ[COMPILING] = str(compiling.pid)
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -83,15 +95,37 @@ def pytest_itemcollected(item: pytest.Item) -> None:
 
 
 def pytest_collection_finish(session: pytest.Session) -> None:
+    if "PYTEST_XDIST_WORKER" in os.environ and COMPILING in os.environ:
+        with contextlib.suppress(psutil.NoSuchProcess):
+            psutil.Process(int(os.environ[COMPILING])).wait()
     gone = sorted(SLOW.keys() - NAMED.keys())
     if gone and session.config.args_source == pytest.Config.ArgsSource.TESTPATHS:
         raise pytest.UsageError(f"tests/slow.txt names tests that are not there: {', '.join(gone)}")
+
+
+def _part(text: str) -> tuple[int, int]:
+    which, of = map(int, text.split("/"))
+    if not 1 <= which <= of:
+        raise ValueError(text)
+    return which, of
+
+
+def _keep_part(items: list[pytest.Item], which: int, of: int, deselected: Callable[..., object]) -> None:
+    """Whole functions, so that what their parameters share is made once."""
+    names = dict.fromkeys(item.nodeid.partition("[")[0] for item in items if "slow" in item.keywords)
+    others = {name for n, name in enumerate(names) if n % of != which - 1}
+    left = [item for item in items if "slow" in item.keywords and item.nodeid.partition("[")[0] in others]
+    deselected(items=left)
+    gone = set(left)
+    items[:] = [item for item in items if item not in gone]
 
 
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     rank = {name: n for n, name in enumerate(LONGEST)}
     items.sort(key=lambda item: rank.get(item.path.stem, len(rank)))
+    if config.getoption("--part"):
+        _keep_part(items, *config.getoption("--part"), config.hook.pytest_deselected)
     if config.getoption("--slow"):  # where time runs out, it is not those whose siblings run every day
         items.sort(key=lambda item: SLOW.keys().isdisjoint({item.nodeid, item.nodeid.partition("[")[0]}))
     else:

@@ -154,9 +154,9 @@ def test_what_is_ours_does_not_count_as_the_start(project):
 
 
 def test_lists_and_schema_are_printed():
-    ids = command("certify", "--list").stdout.split()
+    ids = here("certify", "--list").stdout.split()
     assert len(ids) == len(set(ids)) == len(select(profile="quick")) > 100
-    assert json.loads(command("certify", "--schema").stdout) == schema()
+    assert json.loads(here("certify", "--schema").stdout) == schema()
 
 
 @pytest.mark.parametrize(
@@ -206,10 +206,10 @@ def test_every_word_that_is_explained_occurs():
 
 
 def test_explain_prints_words_or_json():
-    assert "x and y exchanged" in command("explain", "exchanged-axes").stdout
-    assert json.loads(command("explain", "D4", "--json").stdout)["question"]
-    assert command("explain", "no-such-thing-at-all").returncode == 2
-    ids = json.loads(command("explain", "--json").stdout)["ids"]
+    assert "x and y exchanged" in here("explain", "exchanged-axes").stdout
+    assert json.loads(here("explain", "D4", "--json").stdout)["question"]
+    assert here("explain", "no-such-thing-at-all").returncode == 2
+    ids = json.loads(here("explain", "--json").stdout)["ids"]
     assert {"signs", "signs.sea", "exchanged-axes", "bfgs", "A4", "D4"} <= set(ids)
     assert len(set(ids)) == len(ids)
 

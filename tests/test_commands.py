@@ -72,7 +72,7 @@ def test_reproduce_prints_one_object_and_writes_what_it_prints(reproduced):
 
 
 def test_the_table_shows_every_wavenumber(tmp_path):
-    done = leakref("reproduce", "L-T/L=5,T=10", "--realizations", 1, "--out", tmp_path, "--route", "a")
+    done = here("reproduce", "L-T/L=5,T=10", "--realizations", 1, "--out", tmp_path, "--route", "a")
     assert done.returncode == 0
     assert len(set(re.findall(r"^│ +\d\.\d\d ", done.stdout, re.MULTILINE))) == 16  # in one table or more
 
@@ -99,9 +99,9 @@ def test_wrong_use_exits_2_with_one_message_and_no_traceback(words, said, tmp_pa
 
 
 def test_the_list_names_every_configuration():
-    ids = leakref("reproduce", "--list").stdout.split()
+    ids = here("reproduce", "--list").stdout.split()
     assert "U/rotation=30,current=0.15,current_direction=-90" in ids
-    assert json.loads(leakref("reproduce", "--list", "--json").stdout)["ids"] == ids
+    assert json.loads(here("reproduce", "--list", "--json").stdout)["ids"] == ids
 
 
 @pytest.mark.slow

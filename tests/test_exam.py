@@ -12,7 +12,7 @@ import jsonschema
 import numpy as np
 import pytest
 from scipy import io
-from test_commands import leakref as command
+from test_commands import here as command
 
 from leakref import LeakrefError
 from leakref.certify.certificate import schema

@@ -11,7 +11,7 @@ from contextlib import suppress
 import numpy as np
 import pytest
 from scipy import io
-from test_commands import leakref as command
+from test_commands import here as command
 from test_exam import answered, copied, marks
 from tools import requires
 
