@@ -141,7 +141,7 @@ class _Seen:
         columns, own = ring.columns, copy(self)
         own.__dict__.pop("_table", None)
         own.magnitude, own.width, own.models = self.magnitude[columns], width, models(columns.size)
-        own.sums, own.largest, own.across = self.sums[columns], self.largest[columns], self.across[:, columns]
+        own.sums, own.largest, own.across = self.sums[columns], self.largest[columns], self.across.take(columns, axis=1)
         own.strongest = next(iter(np.flatnonzero(columns == self.strongest).tolist()), -1)
         fastest = ring.centre.max() + ring.largest * nsp._REACH * ring.unit
         own.furthest = min(fastest, own.magnitude.shape[1] + 5 * width)

@@ -396,4 +396,5 @@ def outdone(ring, models, starts, reach, score):
 @_compiled
 def scores(ring, models, velocities):
     """N up to a factor at each of the velocities (n, 2): (n,)."""
-    return np.array([_score(ring, models, velocity) for velocity in velocities])
+    # copies, since for rows of another layout all would be compiled once more
+    return np.array([_score(ring, models, velocity.copy()) for velocity in velocities])
