@@ -47,7 +47,7 @@ SLOW = dict(map(_slow, Path(__file__).with_name("slow.txt").read_text().splitlin
 line ends in `one of 4` one in four of the parameters is not.
 """
 COMPILING = "LEAKREF_TESTS_COMPILING"
-"""Names the process that compiles for all: it takes half a minute, and each of them would do it by itself."""
+"""Number and start of the process that compiles for all: it takes half a minute, and each would do it by itself."""
 BEGUN = time.monotonic()
 NAMED: Counter[str] = Counter()
 """Those of them that were found, and how many of each."""
@@ -75,9 +75,9 @@ def pytest_cmdline_main(config: pytest.Config) -> None:
     if not (named or inside) and getattr(given, "numprocesses", 0) is None:
         given.numprocesses, given.dist, given.loadscopereorder = min((os.cpu_count() or 1) + 1, 5), "loadfile", False
     if getattr(given, "numprocesses", 0) and not inside and not given.collectonly:
-        compiling = subprocess.Popen([sys.executable, Path(__file__).with_name("compiling.py")])
+        compiling = psutil.Popen([sys.executable, Path(__file__).with_name("compiling.py")])
         threading.Thread(target=compiling.wait, daemon=True).start()
-        os.environ[COMPILING] = str(compiling.pid)
+        os.environ[COMPILING] = f"{compiling.pid} {compiling.create_time()}"
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -96,8 +96,10 @@ def pytest_itemcollected(item: pytest.Item) -> None:
 
 def pytest_collection_finish(session: pytest.Session) -> None:
     if "PYTEST_XDIST_WORKER" in os.environ and COMPILING in os.environ:
+        number, since = os.environ[COMPILING].split()
         with contextlib.suppress(psutil.NoSuchProcess):
-            psutil.Process(int(os.environ[COMPILING])).wait()
+            if (compiling := psutil.Process(int(number))).create_time() == float(since):  # and no later one
+                compiling.wait()
     gone = sorted(SLOW.keys() - NAMED.keys())
     if gone and session.config.args_source == pytest.Config.ArgsSource.TESTPATHS:
         raise pytest.UsageError(f"tests/slow.txt names tests that are not there: {', '.join(gone)}")
