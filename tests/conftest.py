@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import contextlib
 import os
 import subprocess
@@ -106,10 +107,10 @@ def pytest_collection_finish(session: pytest.Session) -> None:
 
 
 def _part(text: str) -> tuple[int, int]:
-    which, of = map(int, text.split("/"))
-    if not 1 <= which <= of:
-        raise ValueError(text)
-    return which, of
+    which, _, of = text.partition("/")
+    if not (which.isdigit() and of.isdigit() and 1 <= int(which) <= int(of)):
+        raise argparse.ArgumentTypeError(f"{text!r} should be a part and of how many, such as 2/3")
+    return int(which), int(of)
 
 
 def _keep_part(items: list[pytest.Item], which: int, of: int, deselected: Callable[..., object]) -> None:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import argparse
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 import tools
+from conftest import _keep_part, _part
 
 
 def outcome(monkeypatch, required, ask):
@@ -70,3 +72,28 @@ def test_of_a_name_in_slow_txt_one_in_so_many_is_asked_by_default():
     everything = found()
     assert found("-m", "not slow") == everything[::4]
     assert len(everything) > 4
+
+
+class Item:
+    """As much of a collected test as it takes to choose it."""
+
+    def __init__(self, nodeid, *keywords):
+        self.nodeid, self.keywords = nodeid, keywords
+
+
+def test_parts_are_whole_functions_and_together_all_slow_tests():
+    slow = [Item(f"a.py::test_{n}[{p}]", "slow") for n in range(5) for p in range(n + 1)]
+    quick = [Item("a.py::test_1[9]"), Item("a.py::test_9")]
+    parts = []
+    for which in (1, 2, 3):
+        items, gone = [*slow, *quick], []
+        _keep_part(items, which, 3, lambda items, gone=gone: gone.extend(items))
+        assert set(quick) < set(items)
+        assert {*items, *gone} == {*slow, *quick}
+        parts.append({item for item in items if item.keywords})
+    assert sum(map(len, parts)) == len(set().union(*parts)) == len(slow)
+    assert not set.intersection(*({item.nodeid.partition("[")[0] for item in part} for part in parts))
+    assert _part("2/3") == (2, 3)
+    for text in ("0/3", "4/3", "x"):
+        with pytest.raises(argparse.ArgumentTypeError, match="such as 2/3"):
+            _part(text)

@@ -50,9 +50,9 @@ class Seas:
 
 PAPER = tuple(c for members in PAPER_CASES.values() for c in members)
 """Every configuration of the paper."""
-_BESIDE = {"nsp-ls": (0, 1), "windows": (0, 1), "theta0-dtheta": (0,), "gamma": (0,)}
-"""The cases of the paper of which there are seas by the methods beside its two, and which realisations of them are
-golden one by one: of most it is one, since it takes the whole surface.
+_BESIDE = {case: (0, 1) if case in ("nsp-ls", "windows") else (0,) for case in PAPER_CASES}
+"""Which realisations by the methods beside the paper's two are golden one by one: of most cases it is one, since it
+takes the whole surface.
 """
 SEAS = (
     Seas(1, PAPER),
