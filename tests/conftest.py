@@ -89,7 +89,9 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
 
 
 def pytest_itemcollected(item: pytest.Item) -> None:
-    for name in SLOW.keys() & {item.nodeid, item.nodeid.partition("[")[0]}:
+    """Those named one by one first; of the others of a name one in so many is not slow."""
+    name = next((name for name in (item.nodeid, item.nodeid.partition("[")[0]) if name in SLOW), None)
+    if name is not None:
         if not SLOW[name] or NAMED[name] % SLOW[name]:
             item.add_marker(pytest.mark.slow)
         NAMED[name] += 1

@@ -283,6 +283,7 @@ def test_a_run_of_another_seed_says_how_to_repeat_it(capsys):
     shown = capsys.readouterr()
     record = json.loads(shown.out)
     assert (record["seed"], record["scope"]["seed"]) == (5, 5)
+    assert "fault:flipped-y" in record["findings"][0]["repro"]
     assert "--seed 5" in record["findings"][0]["repro"]
     assert "--seed 5" in shown.err
 

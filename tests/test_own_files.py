@@ -21,6 +21,7 @@ from typer.testing import CliRunner
 
 from leakref import Grid, Scales, SeaState, UniformCurrent, synthesize
 from leakref.cli.base import app
+from leakref.cubes import deferred, hdf, measuring, mending
 from leakref.dispersion import Water, velocity_resolutions
 
 SCALES = Scales(25.0, 9.81)
@@ -186,9 +187,9 @@ def test_an_array_of_structures_in_mat_v73(tmp_path, bytes_):
 
 @pytest.mark.parametrize("limit", [2**30, 10**5])
 def test_mat_v73_whole_and_in_blocks(tmp_path, bytes_, monkeypatch, limit):
-    monkeypatch.setattr("leakref.cubes.hdf.IN_MEMORY", limit)
-    monkeypatch.setattr("leakref.cubes.deferred.IN_MEMORY", limit)
-    monkeypatch.setattr("leakref.cubes.hdf.BLOCK", 10**6)
+    for module in (hdf, deferred):
+        monkeypatch.setattr(module, "IN_MEMORY", limit)
+    monkeypatch.setattr(hdf, "BLOCK", 10**6)
     held = {"IMG_SEQ.IMG": bytes_, "IMG_SEQ.dx": 0.024, "IMG_SEQ.dy": 0.022, "IMG_SEQ.dt": 1 / 29.97, "note": 7.0}
     path = matlab_73(tmp_path / "a.mat", **held)
     given = extract(path, "--variable", "IMG_SEQ.IMG", "--axes", "xyt", *TANK)
@@ -230,9 +231,9 @@ def test_netcdf_with_time_in_other_units(tmp_path, surface, unit, factor):
 
 @pytest.mark.parametrize("limit", [2**30, 10**5])
 def test_netcdf_whole_and_in_blocks(tmp_path, surface, monkeypatch, limit):
-    for module in ("hdf", "deferred"):
-        monkeypatch.setattr(f"leakref.cubes.{module}.IN_MEMORY", limit)
-    monkeypatch.setattr("leakref.cubes.hdf.BLOCK", 10**6)
+    for module in (hdf, deferred):
+        monkeypatch.setattr(module, "IN_MEMORY", limit)
+    monkeypatch.setattr(hdf, "BLOCK", 10**6)
     path = as_netcdf(tmp_path / "a.nc", surface)
     given = extract(path, *TANK, "--crop", "2:46,4:56", "--frames", "6:96")
     assert given["shape"] == [44, 52, 90]
@@ -465,8 +466,8 @@ def test_holes_are_filled_on_request_up_to_a_share(tmp_path, surface, kind, monk
     else:
         path, options = tmp_path / "a.npy", (*SPACING, *TANK, "--axes", "xyt")
         np.save(path, holed)
-        for module in ("mending", "measuring"):
-            monkeypatch.setattr(f"leakref.cubes.{module}.IN_MEMORY", 10**5)  # mapped, and filled as it is read
+        for module in (mending, measuring):
+            monkeypatch.setattr(module, "IN_MEMORY", 10**5)  # mapped, and filled as it is read
     refused = extract(path, *options, status=2)
     assert "not finite" in refused
     assert "--fill-holes" in extract(path, *options, "--fill-holes", 0.001, status=2)

@@ -17,8 +17,8 @@ from leakref.cli.base import app
 from leakref.ensemble import Ensemble
 from leakref.golden.sets import Golden
 from leakref.planning import plan
-from leakref.planning.advice import advice, ranges
-from leakref.planning.command import _title, parse_sweep
+from leakref.planning.advice import advice, ranges, scope
+from leakref.planning.command import _show, _title, parse_sweep
 from leakref.planning.figures import plan_figure
 from leakref.planning.flight import Flight
 from leakref.planning.plan import GRAVITY, Campaign, Expected, Plan, expected
@@ -374,6 +374,16 @@ def test_wrong_use_names_fault_and_remedy(words, message, tmp_path):
     assert message in " ".join(done.stderr.replace("│", " ").split())
     assert not done.stdout
     assert not (tmp_path / "out").exists()
+
+
+def test_what_is_printed_has_the_water_the_methods_and_what_it_holds_for(capsys):
+    found = planning()
+    _show(found, advice(found), "", (), ())
+    said = " ".join(capsys.readouterr().out.split())
+    assert said.count("Expected errors") == 1  # two methods, one table
+    assert "in m/s, deep water: mean" in said
+    assert scope(found).advice in said
+    assert all(" ".join(sentence.split()) in said for sentence in advice(found))
 
 
 @pytest.fixture(scope="module")
