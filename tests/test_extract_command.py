@@ -249,7 +249,8 @@ def test_what_is_removed_is_said_and_what_it_was_for_is_gone(sea, tmp_path, detr
 
 def test_everything_written_agrees_and_is_whole(sea, tmp_path):
     out = tmp_path / "results"
-    given = answer("extract", sea[0], "--wavenumbers", "1,1.5,2", "--screen", "--out", out)
+    water = ("--depth", "5", "--surface-tension", "0.001")
+    given = answer("extract", sea[0], "--wavenumbers", "1,1.5,2", "--screen", "--out", out, *water)
     assert json.loads((out / "extract.json").read_text()) == given
     with (out / "extract.csv").open() as stream:
         rows = list(csv.DictReader(stream))
@@ -259,6 +260,7 @@ def test_everything_written_agrees_and_is_whole(sea, tmp_path):
         assert data["cx"].values.tolist() == [c[0] for c in given["doppler_shift_velocities"]]
         assert data["verdict"].values.tolist() == given["verdicts"]
         assert data["wavenumber"].values.tolist() == given["wavenumbers"]
+        assert (data.attrs["depth"], data.attrs["surface_tension"]) == (5, 0.001)
     assert {path.name for path in out.iterdir()} == {
         "extract.json",
         "extract.csv",

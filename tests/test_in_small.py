@@ -25,7 +25,7 @@ from leakref.certify.strength import diagnosis, regime, replays
 from leakref.certify.subject.declaration import Declaration
 from leakref.certify.verdict import Finding, Unanswered
 from leakref.certify.verdict import Verdict as Judgement
-from leakref.cubes import causes, measuring
+from leakref.cubes import causes, depths, measuring
 from leakref.cubes.asked import Asked, Assumed
 from leakref.cubes.causes import Verdict
 from leakref.cubes.coordinates import metric_factors
@@ -241,3 +241,16 @@ def test_depths_that_fit_as_well_are_said_where_the_depth_is_in_question(own, wo
     other = Fit(SimpleNamespace(share=0.9), Water(1.0, 0.5), 0.4, 0.6)
     band = SimpleNamespace(water=Water(1.0, own, 0.0 if own == np.inf else 1e-4))
     assert words in causes._in_other_water(band, other, SimpleNamespace(units="scaled"))
+
+
+@pytest.mark.parametrize(("k", "is_metric", "tensions"), [(300.0, True, 2), (300.0, False, 1), (1.0, True, 1)])
+def test_surface_tension_is_looked_for_in_metres_where_waves_are_short(monkeypatch, k, is_metric, tensions):
+    tried = []
+
+    def best(band, tension):
+        tried.append(tension)
+        return Fit(SimpleNamespace(share=0.5), Water(9.81, np.inf, tension), 1.0, 2.0)
+
+    monkeypatch.setattr(depths, "_at_best_depth", best)
+    depths.fit(SimpleNamespace(water=Water(9.81), kx=np.array([k]), ky=np.array([0.0])), is_metric)
+    assert len(tried) == tensions
