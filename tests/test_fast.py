@@ -9,14 +9,16 @@ from hypothesis import HealthCheck, Phase, given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
-from leakref import Components, Grid, LeakrefError, SeaState, UniformCurrent, aligned_waves, leakage
+from leakref import Components, Grid, LeakrefError, SeaState, UniformCurrent, aligned_waves, leakage, nsp, nspgrid
 from leakref.chain import analyse, shell_wavenumbers
 from leakref.dispersion import DEEP
-from leakref.fast import realize
+from leakref.fast import _rings, _Seen, realize
+from leakref.fast.score import scores
 from leakref.fast.spectra import Disc, magnitudes
 from leakref.methods import DEFAULT, METHODS
-from leakref.shell import Note, shell_at
+from leakref.shell import HALF_WIDTH, Note, shell_at
 from leakref.window import WINDOWS
+from leakref.window import window as named_window
 
 SMALL = Grid.scaled(5, 10)
 UNSAFE = Note.ANOTHER_BASIN | Note.EDGE | Note.FLAT | Note.THRESHOLD
@@ -259,3 +261,16 @@ def test_same_for_larger_domains(length, duration, spread):
     sea = SeaState(75, spread, 3.3, length, UniformCurrent((0.1, 0.1))).components(1)
     k = shell_wavenumbers(grid, 0.4, 3.5)[:: 2 if length == 10 else 6]
     assert_same(sea, grid, k, reach=k.max() + 3 * grid.wavenumber_resolution)
+
+
+def test_compiled_scores_are_those_of_the_reference_but_for_a_factor(small_grid, small_sea):
+    """What chooses the start of `nsp-grid`, whose velocity is the same from many a start."""
+    radius = 0.9 * min(small_grid.nyquist[:2])
+    disc, rings = _rings(small_grid, radius, (1.0, 1.6), DEEP, 1.0, nsp.WIDTH, HALF_WIDTH)
+    seen = _Seen(disc, "box", magnitudes(small_sea, small_grid, [named_window("box")], disc)["box"], rings)
+    for ring in rings:
+        velocities, shell = 0.3 * nspgrid.LATTICE[::7], seen._shell(ring)
+        seen.models.made[:] = 0
+        found = scores(ring._replace(magnitude=seen.magnitude), seen.models, velocities)
+        ratio = found / [nsp.normalized_scalar_product(shell, c, seen.width * seen.step) for c in velocities]
+        np.testing.assert_allclose(ratio, ratio[0], rtol=1e-9)
