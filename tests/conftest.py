@@ -100,7 +100,7 @@ def pytest_itemcollected(item: pytest.Item) -> None:
 def pytest_collection_finish(session: pytest.Session) -> None:
     if "PYTEST_XDIST_WORKER" in os.environ and COMPILING in os.environ:
         number, since = os.environ[COMPILING].split()
-        with contextlib.suppress(psutil.NoSuchProcess):
+        with contextlib.suppress(psutil.NoSuchProcess):  # it is through: what was waited for
             if (compiling := psutil.Process(int(number))).create_time() == float(since):  # and no later one
                 compiling.wait()
     gone = sorted(SLOW.keys() - NAMED.keys())

@@ -143,7 +143,7 @@ def test_there_are_cubes_of_all_windows_and_methods():
     }
 
 
-@pytest.mark.parametrize(("folder", "most"), [("vectors", 1.5e6), ("realizations", 1.2e4), ("ensembles", 1.4e4)])
+@pytest.mark.parametrize(("folder", "most"), [("vectors", 1.5e6), ("realizations", 1.2e4), ("ensembles", 1.1e4)])
 def test_the_second_set_stays_small(folder, most):
     """The vectors in all, of everything else an entry: each method adds as many of these."""
     files = [path for path in (NEW / folder).iterdir() if path.is_file()]
@@ -735,6 +735,24 @@ def test_what_is_the_same_and_what_is_not():
         (lambda r: r["output"]["velocities"].__setitem__(0, [None, None]), False),
     ):
         assert same.agree(e, other(change)) == agrees
+
+
+def test_one_conditioning_stands_for_the_same_of_each_item():
+    record = next(e.record for e in ALL if e.folder == "v2" and e.stage == "ensemble")
+    n, one = len(record["output"]["bias"]), record["accuracy"]["bias"]["conditioning"]
+    assert isinstance(one, float)  # written once where it is the same for all
+
+    def entry(conditioning):
+        told = {**record["accuracy"]["bias"], "conditioning": conditioning}
+        return sets.Entry("x.json", {**record, "accuracy": {**record["accuracy"], "bias": told}})
+
+    for conditioning, agrees in (
+        ([one] * n, True),
+        (one * 1.001, False),
+        ([one] * (n - 1) + [one * 1.001], False),
+    ):
+        assert same.agree(entry(one), entry(conditioning)) == same.agree(entry(conditioning), entry(one)) == agrees
+    assert not same.agree(entry([one] * n), entry([one] * (n - 1)))
 
 
 @pytest.mark.parametrize(

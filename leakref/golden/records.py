@@ -45,6 +45,8 @@ def _accuracy(
     for its size.
     """
     kappa = np.asarray(conditioning, dtype=np.float64)
+    if kappa.size > 1 and np.all(kappa == kappa.flat[0]):
+        kappa = kappa.ravel()[:1].reshape(())  # one number for all of them
     allowed = np.asarray([tolerance(float(c)) for c in kappa.ravel()]).reshape(kappa.shape)
     per_item = allowed.reshape(allowed.shape + (1,) * (golden.ndim - allowed.ndim if allowed.ndim else 0))
     worst = 0.0

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from leakref._base import FloatArray
 from leakref.golden.defined import VECTORS
 from leakref.golden.sets import EPSILON, Entry, compare, tolerance
 from leakref.golden.stages import STAGES
@@ -101,7 +102,13 @@ def agree(before: Entry, after: Entry) -> bool:
         and not compare(before, after.output)
         and conditioning[0].keys() == conditioning[1].keys()
         and all(
-            alike(value, conditioning[1][name], _HALF * np.abs(np.asarray(value, dtype=np.float64)))
-            for name, value in conditioning[0].items()
+            alike(value, other, _HALF * np.abs(value))
+            for value, other in (_in_one_form(value, conditioning[1][name]) for name, value in conditioning[0].items())
         )
     )
+
+
+def _in_one_form(a: Any, b: Any) -> tuple[FloatArray, FloatArray]:
+    """Two conditionings, of which one number stands for one for each item."""
+    one, other = (np.asarray(value, dtype=np.float64) for value in (a, b))
+    return one + np.zeros(other.shape * (not one.ndim)), other + np.zeros(one.shape * (not other.ndim))
