@@ -90,7 +90,7 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
 
 def pytest_itemcollected(item: pytest.Item) -> None:
     """Those named one by one first; of the others of a name one in so many is not slow."""
-    name = next((name for name in (item.nodeid, item.nodeid.partition("[")[0]) if name in SLOW), None)
+    name = next((name for name in (item.nodeid, _function(item)) if name in SLOW), None)
     if name is not None:
         if not SLOW[name] or NAMED[name] % SLOW[name]:
             item.add_marker(pytest.mark.slow)
@@ -108,6 +108,10 @@ def pytest_collection_finish(session: pytest.Session) -> None:
         raise pytest.UsageError(f"tests/slow.txt names tests that are not there: {', '.join(gone)}")
 
 
+def _function(item: pytest.Item) -> str:
+    return item.nodeid.partition("[")[0]
+
+
 def _part(text: str) -> tuple[int, int]:
     which, _, of = text.partition("/")
     if not (which.isdigit() and of.isdigit() and 1 <= int(which) <= int(of)):
@@ -117,11 +121,10 @@ def _part(text: str) -> tuple[int, int]:
 
 def _keep_part(items: list[pytest.Item], which: int, of: int, deselected: Callable[..., object]) -> None:
     """Whole functions, so that what their parameters share is made once."""
-    names = dict.fromkeys(item.nodeid.partition("[")[0] for item in items if "slow" in item.keywords)
-    others = {name for n, name in enumerate(names) if n % of != which - 1}
-    left = [item for item in items if "slow" in item.keywords and item.nodeid.partition("[")[0] in others]
-    deselected(items=left)
-    gone = set(left)
+    slow = [item for item in items if "slow" in item.keywords]
+    kept = set(list(dict.fromkeys(map(_function, slow)))[which - 1 :: of])
+    gone = {item for item in slow if _function(item) not in kept}
+    deselected(items=list(gone))
     items[:] = [item for item in items if item not in gone]
 
 
@@ -132,7 +135,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     if config.getoption("--part"):
         _keep_part(items, *config.getoption("--part"), config.hook.pytest_deselected)
     if config.getoption("--slow"):  # where time runs out, it is not those whose siblings run every day
-        items.sort(key=lambda item: SLOW.keys().isdisjoint({item.nodeid, item.nodeid.partition("[")[0]}))
+        items.sort(key=lambda item: SLOW.keys().isdisjoint({item.nodeid, _function(item)}))
     else:
         for item in items:
             if not {"slow", "night"}.isdisjoint(item.keywords):

@@ -741,6 +741,9 @@ def test_one_conditioning_stands_for_the_same_of_each_item():
     record = next(e.record for e in ALL if e.folder == "v2" and e.stage == "ensemble")
     n, one = len(record["output"]["bias"]), record["accuracy"]["bias"]["conditioning"]
     assert isinstance(one, float)  # written once where it is the same for all
+    for conditioning, written in (([2.0, 2.0], 2.0), ([2.0, 3.0], [2.0, 3.0]), ([2.0], [2.0]), (2.0, 2.0)):
+        values = np.zeros(np.shape(conditioning))
+        assert records._accuracy("v", "x", values, {}, conditioning)["conditioning"] == written
 
     def entry(conditioning):
         told = {**record["accuracy"]["bias"], "conditioning": conditioning}
